@@ -1,4 +1,4 @@
-/* `rheolog debug` from outside: scripts and a pipe. */
+/* `rheolog debug` from outside: scripts, a pipe, and a pseudo-terminal. */
 #define _XOPEN_SOURCE 700
 #include "cli_support.h"
 
@@ -233,7 +233,7 @@ static void a_fork_is_a_run_of_its_own(void **state)
                          "goto 3\nset fluid.stiffness 250\nstep 7\nback 6\nback\nstep\nstage\nstep 2\n"
                          "until step >= 10\ngoto last\nsave fork.rlog\nlog\nback until step < 5\noriginal\nquit\n"));
     assert_string_equal(err, "");
-    assert_in("(a 3) set fluid.stiffness 250\na fork begins at step 3; the recording stays as it is\n(a 3*) step 7\n"
+    assert_in("(a 3) set fluid.stiffness 250\na fork begins at step 3; the recording does not change\n(a 3*) step 7\n"
               "(a 10*) back 6\n(a 4*) back\n(a 3*) step\n(a 4*) stage\n(a 5* ",
               out);
     assert_in(
@@ -339,6 +339,173 @@ static void the_session_of_the_page_is_true(void **state)
     prints("bad.rlog", commands, session);
 }
 
+/* ---- A terminal ---- */
+
+static int terminal;
+static char shown[1 << 16]; /* and not yet waited for */
+
+/* Takes in what the program has written. False: nothing in this time. */
+static bool take_in(int milliseconds)
+{
+    struct pollfd p = {.fd = terminal, .events = POLLIN};
+    const size_t length = strlen(shown);
+    if (poll(&p, 1, milliseconds) != 1)
+        return false;
+    const ssize_t got = read(terminal, shown + length, sizeof shown - 1 - length);
+    if (got <= 0)
+        return false;
+    shown[length + (size_t)got] = 0;
+    return true;
+}
+
+/* Waits until the program has shown a text, and goes past that. False: it shows nothing more for this time. */
+static bool shows(const char *text, int milliseconds)
+{
+    char *at;
+    while (!(at = strstr(shown, text)))
+        if (!take_in(milliseconds))
+            return false;
+    at += strlen(text);
+    memmove(shown, at, strlen(at) + 1);
+    return true;
+}
+
+static void wait_for(const char *text)
+{
+    if (!shows(text, 100000))
+        fail_msg("the terminal shows \"%s\" and not \"%s\"", shown, text);
+}
+
+static void type(const char *keys)
+{
+    assert_int_equal(write(terminal, keys, strlen(keys)), strlen(keys));
+}
+
+/*
+ * Presses a key until it has its effect: a Ctrl-C right before the program reads is lost, and so is a Ctrl-D while it does not.
+ */
+static void press_until(const char *key, const char *text)
+{
+    for (int i = 0; i < 200; i++) {
+        type(key);
+        if (shows(text, 500))
+            return;
+    }
+    fail_msg("the terminal shows \"%s\" and not \"%s\"", shown, text);
+}
+
+/*
+ * Ends the session by Ctrl-D. One that is typed before the program reads is a zero in its line (the kernel then still gathers
+ * lines), and behind a character Ctrl-D does not end it: so Ctrl-U first empties the line.
+ */
+static void end_session(pid_t child)
+{
+    int status = -1;
+    pid_t ended = 0;
+    for (int i = 0; i < 600 && ended == 0; i++) {
+        if (write(terminal, "\025\004", 2) != 2)
+            break; /* it has ended */
+        shown[0] = 0;
+        take_in(100);
+        ended = waitpid(child, &status, WNOHANG);
+    }
+    if (ended == 0) {
+        kill(child, SIGKILL);
+        ended = waitpid(child, &status, 0);
+    }
+    assert_int_equal(ended, child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    close(terminal);
+}
+
+static pid_t open_terminal(const char *file)
+{
+    shown[0] = 0;
+    terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    assert_true(terminal >= 0);
+    assert_int_equal(grantpt(terminal), 0);
+    assert_int_equal(unlockpt(terminal), 0);
+    const char *name = ptsname(terminal);
+    assert_non_null(name);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        setsid(); /* the first terminal that it opens then sends it Ctrl-C */
+        const int own = open(name, O_RDWR);
+        for (int i = 0; i < 3; i++)
+            dup2(own, i);
+        setenv("TERM", "xterm", 1); /* that of vt100 fills with zeros */
+        signal(SIGINT, SIG_DFL);
+        execl(getenv("RHEOLOG"), "rheolog", "debug", file, "--quiet", (char *)NULL);
+        _exit(127);
+    }
+    return child;
+}
+
+static void a_terminal_has_a_prompt_and_ctrl_c(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    const pid_t child = open_terminal("a.rlog");
+    wait_for("(a 0) ");
+    type("step 3\n");
+    wait_for("(a 3) ");
+    type("\n"); /* three more */
+    wait_for("(a 6) ");
+    type("fly\n");
+    wait_for("no command \"fly\"");
+    wait_for("(a 6) ");
+    type("step 2");
+    wait_for("step 2");
+    press_until("\003", "(a 6) "); /* gives the line up */
+    type("goto 4\n");
+    wait_for("(a 4) ");
+    type("set fluid.stiffness 290\n");
+    wait_for("(a 4*) ");
+    bool interrupted = false;
+    for (int wait = 250; wait <= 16000 && !interrupted; wait *= 2) { /* until then the line may not have been read */
+        type("step 1000000000\n");                                   /* a fork has no end */
+        nanosleep(&(struct timespec){wait / 1000, wait % 1000 * 1000000L}, NULL);
+        type("\003");
+        interrupted = shows("interrupted after step ", 2000 + 2 * wait);
+    }
+    assert_true(interrupted);
+    type("original\n");
+    wait_for("(a 4) ");
+    end_session(child);
+}
+
+static void tab_completes_and_arrows_bring_lines_back(void **state)
+{
+    (void)state;
+#ifndef WITH_LIBEDIT
+    skip();
+#else
+    record("a.rlog");
+    const pid_t child = open_terminal("a.rlog");
+    wait_for("(a 0) ");
+    type("sta\t\n");
+    wait_for("(a 1 ");
+    type("go\t2 grav\t\n");
+    wait_for("(a 2 gravity@1) ");
+    type("print max_spe\t\n");
+    wait_for("  max_speed   ");
+    wait_for("(a 2 gravity@1) ");
+    type("goto fi\t\n");
+    wait_for("(a 0) ");
+    type("step 3\n");
+    wait_for("(a 3) ");
+    type("\033[A\n"); /* up */
+    wait_for("(a 6) ");
+    type("st\t");
+    wait_for("  step  stage");
+    wait_for("(a 6) st");
+    press_until("\003", "(a 6) ");
+    end_session(child);
+#endif
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -355,6 +522,8 @@ int main(void)
         cmocka_unit_test(save_writes_the_state),
         cmocka_unit_test(a_pipe_reads_as_a_session),
         cmocka_unit_test(the_session_of_the_page_is_true),
+        cmocka_unit_test(a_terminal_has_a_prompt_and_ctrl_c),
+        cmocka_unit_test(tab_completes_and_arrows_bring_lines_back),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

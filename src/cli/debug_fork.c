@@ -226,7 +226,7 @@ int cli_debug_set(cli_session *s, const char *text)
     if (goes_on)
         forget_copy(&s->fork);
     else
-        printf("a fork begins at step %llu%s; the recording stays as it is\n", (unsigned long long)step,
+        printf("a fork begins at step %llu%s; the recording does not change\n", (unsigned long long)step,
                had_fork ? ", in place of the one before" : "");
     return CLI_DONE;
 }
