@@ -181,17 +181,28 @@ static void print_row(const cli_followed *t, const char *field, uint64_t step, b
     putchar('\n');
 }
 
-static int print_rows(cli_session *s, cli_followed *t, const char *field, uint64_t from, uint64_t to)
+/* Opens a player of its own, so that the session stays where it is. */
+static int open_player(cli_session *s, rheo_player **player)
 {
     rheo_recording *recording;
-    rheo_player *player = NULL;
     rheo_error error = {""};
+    *player = NULL;
     const int status = cli_debug_recording(s, &recording);
     if (status != CLI_DONE)
         return status;
-    rheo_result result = rheo_player_open(recording, NULL, &player, &error);
-    if (result == RHEO_OK)
-        print_row(t, field, 0, true);
+    const rheo_result result = rheo_player_open(recording, NULL, player, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(s->file, result, &error);
+}
+
+static int print_rows(cli_session *s, cli_followed *t, const char *field, uint64_t from, uint64_t to)
+{
+    rheo_player *player;
+    rheo_error error = {""};
+    rheo_result result = RHEO_OK;
+    const int status = open_player(s, &player);
+    if (status != CLI_DONE)
+        return status;
+    print_row(t, field, 0, true);
     for (uint64_t step = from; step <= to && result == RHEO_OK; step++) {
         result = rheo_player_seek(player, step, &error);
         if (result == RHEO_OK)
@@ -230,19 +241,15 @@ int cli_debug_track(cli_session *s, const char *text)
 
 /* ---- Searches ---- */
 
-/* Searches with a player of its own, so that the session stays where it is. */
 static int search(cli_session *s, const char *condition, const rheo_find_options *options, rheo_search *found)
 {
-    rheo_recording *recording;
-    rheo_player *player = NULL;
+    rheo_player *player;
     rheo_error error = {""};
-    const int status = cli_debug_recording(s, &recording);
+    const int status = open_player(s, &player);
     *found = (rheo_search){.hits = 0};
     if (status != CLI_DONE)
         return status;
-    rheo_result result = rheo_player_open(recording, NULL, &player, &error);
-    if (result == RHEO_OK)
-        result = rheo_player_find(player, condition, options, found, &error);
+    const rheo_result result = rheo_player_find(player, condition, options, found, &error);
     rheo_player_close(player);
     if (result == RHEO_ERROR_STOPPED || (result == RHEO_OK && cli_interrupted()))
         return cli_fail(CLI_INTERRUPTED, "interrupted; this is still step %llu",

@@ -90,8 +90,8 @@ static int search(when *w, rheo_recording *recording)
         result = rheo_player_find(player, w->condition, &options, &w->search, &error);
     rheo_player_close(player);
     if (result == RHEO_ERROR_STOPPED || (result == RHEO_OK && cli_interrupted())) {
-        if (w->last && w->search.hits && !w->json)
-            print_text(&w->search.found);
+        if (w->last && w->search.hits && result == RHEO_ERROR_STOPPED)
+            receive(w, &w->search.found); /* the last so far */
         return cli_fail(CLI_INTERRUPTED, "%s: interrupted; %llu found %s", w->file,
                         (unsigned long long)w->search.hits, range(&w->search, text));
     }
