@@ -30,12 +30,12 @@ typedef struct rheo_found {
     char item[48];
     /** Particle, or smaller id of a spring; 0 for others. Larger id of a spring, else 0. */
     uint64_t id, other_id;
-    /** Name and value of what is compared; "exists" and 1 or 0 for `exists`. */
+    /** Metric or quantity of this comparison, and its value. For `exists` they are "exists" and 1. */
     char quantity[64];
     double value;
 } rheo_found;
 
-/** Called for what is found. False ends the search. */
+/** Called for each place that a search finds. Returns whether the search goes on. */
 typedef bool rheo_find_receiver(void *data, const rheo_found *found);
 
 typedef struct rheo_find_options {
@@ -48,7 +48,7 @@ typedef struct rheo_find_options {
      * with @ and the number of a substep. NULL: at the ends of steps. Metrics belong to ends of steps.
      */
     const char *stage;
-    /** Receives what is found; may be NULL. */
+    /** Called for each place; NULL: none. */
     rheo_find_receiver *receiver;
     void *data;
 } rheo_find_options;
@@ -80,7 +80,7 @@ typedef struct rheo_search {
  *
  * Metrics are read and not simulated; where they decide, no step is simulated. Other steps are simulated from keyframes,
  * and their hashes are compared (RHEO_ERROR_DIFFERS), or taken from a full recording. With a stage, also the stages of a
- * step that failed are looked at. *search is always valid: after an error it has what was found until then.
+ * step that failed are looked at. After an error, *search has the places that were found before it.
  *
  * RHEO_ERROR_ARGUMENT for a condition that is not understood, a metric with a stage, or a particle that no step has;
  * RHEO_ERROR_STOPPED if a progress receiver ended the search. The player's position is any afterwards.

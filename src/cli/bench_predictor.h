@@ -52,7 +52,7 @@ typedef struct cli_predictor_run {
     cli_predictor_reason reason;
     uint64_t bad;             /* the step in which it blew up */
     uint64_t unhealthy, sign; /* first severe measure, and first sign of any but a notice; UINT64_MAX: none */
-    double energy, speed;     /* largest fractions of what was put in, and of what anything can reach */
+    double energy, speed;     /* largest energy/energy put in, and largest speed/largest possible speed */
     cli_predictor_value measure[CLI_PREDICTOR_MEASURES]; /* those of the group */
 } cli_predictor_run;
 

@@ -79,7 +79,7 @@ int cli_predictor_plot(const cli_predictor_results *r, const char *path)
                 *at = ' ';
         panel[p] = (rheo_plot_panel){title[p],
                                      {"largest value, in bounds", RHEO_PLOT_LOGARITHMIC, 1e-3, 1e3},
-                                     {"energy or speed, in those put in", RHEO_PLOT_LOGARITHMIC, 1e-3, 1e3},
+                                     {"energy or speed, in parts of those put in", RHEO_PLOT_LOGARITHMIC, 1e-3, 1e3},
                                      OUTCOMES,
                                      curve[p]};
     }
