@@ -7,6 +7,7 @@
  *   rheo_world_step(world, &error);                one fixed step
  *   rheo_recorder_open(...), rheo_verify(...);     recordings: record.h
  *   rheo_player_find(player, "ball: y < 8", ...);  searching them: find.h
+ *   rheo_player_why(player, 81, NULL, 17, "velocity", ...);  who changed a particle: why.h
  *   rheo_world_surface(...), rheo_world_export(...);   surfaces, files, pictures: view.h
  *   rheo_plot_write(&plot, "a.svg", ...);          plots of curves: plot.h
  *   rheo_history_weights(q, count, weights);       fractional derivatives on their own: history.h
@@ -20,6 +21,7 @@
 #include "rheolog/scene.h"
 #include "rheolog/record.h"
 #include "rheolog/find.h"
+#include "rheolog/why.h"
 #include "rheolog/view.h"
 #include "rheolog/plot.h"
 

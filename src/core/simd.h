@@ -9,7 +9,8 @@
  *     avx2       8 lanes (4 of double)
  *     avx512     16 lanes (8 of double)
  *
- * A build with the option lanes=scalar has the variant scalar only.
+ * A build with the option lanes=scalar has the variant scalar only. One further variant, `account`, is compiled as
+ * scalar and also notes what it adds to one particle (core/account.h); it is in use only while that is asked for.
  */
 #ifndef RHEO__CORE_SIMD_H
 #define RHEO__CORE_SIMD_H
@@ -48,8 +49,10 @@ rheo__simd_variant rheo__simd_in_use(void);
 #define RHEO__ADDRESS_OF_VARIANT(variant, name) rheo__##name##_##variant,
 /* Of functions that take constants: each call is compiled for its case, however long the function is. */
 #define RHEO__FOR_EACH_CASE static inline __attribute__((always_inline))
-/* Declares the variants of a function of this function type. */
-#define RHEO__DECLARE_VARIANTS(type, name) RHEO__SIMD_VARIANTS(RHEO__DECLARE_VARIANT, type, name)
+/* Declares the variants of a function of this function type; the variant `account` keeps accounts (core/account.h). */
+#define RHEO__DECLARE_VARIANTS(type, name)                 \
+    RHEO__SIMD_VARIANTS(RHEO__DECLARE_VARIANT, type, name) \
+    RHEO__DECLARE_VARIANT(account, type, name)
 /* Initialises an array of pointers to them, whose index is rheo__simd_in_use(). */
 #define RHEO__ALL_VARIANTS(name)                            \
     {                                                       \

@@ -75,6 +75,8 @@ static inline uint32_t rheo__stages_first_premature(const rheo__stage *stage, ui
     rheo_result rheo__stage_##name(rheo__state *s, void *context)                         \
     {                                                                                     \
         static rheo__stage_function *const variants[] = RHEO__ALL_VARIANTS(stage_##name); \
+        if (s->account)                                                                   \
+            return rheo__stage_##name##_account(s, context);                              \
         return variants[rheo__simd_in_use()](s, context);                                 \
     }
 

@@ -129,6 +129,8 @@ typedef struct rheo__state {
     rheo__spring_sums spring_sums;
 
     rheo__refusal refusal; /* set by the last stage that returned RHEO_ERROR_STATE */
+
+    struct rheo__account *account; /* kept while stages run (core/account.h); NULL: none */
 } rheo__state;
 
 size_t rheo__element_size(rheo_element element);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/account.h"
 #include "core/progress.h"
 #include "record/recording.h"
 
@@ -232,6 +233,48 @@ rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error
     return RHEO_OK;
 }
 
+static rheo_result no_such_step(const rheo_recording *r, uint64_t step, rheo_error *error)
+{
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                      "there is no step %llu to look into; the recording has %llu to %llu", (unsigned long long)step,
+                      (unsigned long long)r->first_step + 1, (unsigned long long)r->last_step + r->has_failure);
+}
+
+rheo_result rheo__player_step_account(rheo_player *p, uint64_t step, rheo__account *account, rheo_error *error)
+{
+    rheo_recording *r = p->r;
+    const uint64_t last = r->last_step + r->has_failure;
+    if (step <= r->first_step || step > last)
+        return no_such_step(r, step, error);
+    RHEO__TRY(go(p, step - 1, 0, error));
+    rheo_result result;
+    if (step > r->last_step) {
+        RHEO__TRY(begin_step(p, error));
+        p->world->state.account = account;
+        result = rheo_world_step(p->world, error);
+        result = result == RHEO_ERROR_STATE ? RHEO_OK : result;
+    } else {
+        size_t different;
+        p->foreign = true; /* until it has been reproduced */
+        p->world->state.account = account;
+        result = rheo__recording_replay(r, (size_t)(step - r->first_step - 1), p->world, &different, error);
+        if (result == RHEO_OK && different != RHEO__NO_HASH)
+            result = rheo__recording_differs(p->world, step, different, error);
+        if (result == RHEO_OK) {
+            p->step = step;
+            p->foreign = false;
+        }
+    }
+    p->world->state.account = NULL;
+    if (result == RHEO_OK && account->stages == 0)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u in step %llu; it has %u, from 0",
+                          (unsigned)account->id, (unsigned long long)step, (unsigned)p->world->state.particles);
+    if (result == RHEO_OK && account->no_memory)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for what was added to particle %u",
+                          (unsigned)account->id);
+    return result;
+}
+
 /* Splits "viscosity@3"; *substep is 0 if the name has none. False: not a number of a substep. */
 static bool split_name(const char *name, char stage[32], uint64_t *substep)
 {
@@ -291,9 +334,7 @@ rheo_result rheo_player_seek_stage(rheo_player *p, uint64_t step, const char *na
     RHEO__TRY(find_stage(p->world, name, &wanted, &substep, error));
     const uint64_t last = r->last_step + r->has_failure;
     if (step <= r->first_step || step > last)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "there is no step %llu to look into; the recording has %llu to %llu",
-                          (unsigned long long)step, (unsigned long long)r->first_step + 1, (unsigned long long)last);
+        return no_such_step(r, step, error);
     uint64_t done = p->world->stage_runs_done;
     if (p->step + 1 != step || p->foreign ||
         (done > 0 && rheo__world_compare_run(p->world, done - 1, wanted, substep) > 0)) {

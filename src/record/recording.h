@@ -185,6 +185,12 @@ size_t rheo__recording_nearest(const rheo_recording *r, uint64_t step);
 rheo_recording *rheo__player_recording(const rheo_player *player);
 /* Refuses a name that is no stage, as of rheo_player_seek_stage(). */
 rheo_result rheo__player_check_stage(const rheo_player *player, const char *name, rheo_error *error);
+struct rheo__account;
+/*
+ * Makes a step again, or a step that failed, and keeps the account of its particle (core/account.h). Then the player is at the
+ * end of the step, or at that of the step before.
+ */
+rheo_result rheo__player_step_account(rheo_player *player, uint64_t step, struct rheo__account *account, rheo_error *error);
 
 /* ---- Commands in a file (record/commands.c) ---- */
 

@@ -14,6 +14,7 @@
  * another; sums are in the order of ids. Impulses J displace, too: by tau J. Overlap that is left is removed without
  * velocity.
  */
+#include "core/account.h"
 #include "solids/solids.h"
 #include "space/near.h"
 
@@ -185,19 +186,29 @@ static void push(rheo__state *s, const rheo__touch *touch, const constants *c, c
     rheo_real *x = s->position + 3 * (size_t)touch->id, *v = s->velocity + 3 * (size_t)touch->id;
     const double arm[3] = {touch->distance * n[0], touch->distance * n[1], touch->distance * n[2]};
     const double ball = dot(n, result), impulse = touch->active ? touch->target + ball - touch->velocity : 0;
+    const bool accounts = rheo__has_account(s) && s->account->id == touch->id;
     double tangential[3], surface[3], direction[3];
+    rheo_real gain[3], shift[3];
     sliding(s, touch, tangential);
     cross(result + 3, arm, surface);
     for (int axis = 0; axis < 3; axis++) {
         const double slide = tangential[axis] - (result[axis] - ball * n[axis]) - surface[axis];
         const double change = impulse * n[axis] - c->share * slide;
-        v[axis] += (rheo_real)change;
-        x[axis] += (rheo_real)(c->substep * change);
+        gain[axis] = (rheo_real)change;
+        shift[axis] = (rheo_real)(c->substep * change);
+        v[axis] += gain[axis];
+        x[axis] += shift[axis];
+    }
+    if (accounts) {
+        rheo__account_add(s, RHEO__FIELD_velocity, RHEO_SOURCE_BALL, 0, gain[0], gain[1], gain[2]);
+        rheo__account_add(s, RHEO__FIELD_position, RHEO_SOURCE_BALL, 0, shift[0], shift[1], shift[2]);
     }
     if (!(outward(s, touch->id, direction) < c->surface))
         return;
     for (int axis = 0; axis < 3; axis++)
         x[axis] = (rheo_real)((double)s->ball_position[axis] + c->surface * direction[axis]);
+    if (accounts)
+        rheo__account_set(s, RHEO__FIELD_position, RHEO_SOURCE_BALL, 0, x[0], x[1], x[2]);
 }
 
 rheo_result rheo__stage_ball(rheo__state *s, void *context)

@@ -8,7 +8,7 @@
  * Changes of velocity displace, too: by tau times the change. Overlap that is left is removed without velocity. The
  * ball stops at walls without bouncing; friction at the contact turns it.
  */
-#include "core/lane_points.h"
+#include "core/account_lanes.h"
 #include "solids/solids.h"
 
 /* Bounds wall_friction and its product, which would be infinite for springs far softer than their history, and then NaN. */
@@ -53,7 +53,7 @@ static rheo__lanes distance_of(const rheo__plane *plane, rheo__lanes3 x)
 
 /* Stops those particles that touch the wall. False: none does. */
 static bool stop_at_wall(const rheo__state *s, const rheo__solids *solids, const constants *c, uint32_t wall,
-                         rheo__lanes wall_friction, rheo__lanes3 *x, rheo__lanes3 *v)
+                         rheo__lanes wall_friction, uint32_t id, rheo__lanes3 *x, rheo__lanes3 *v)
 {
     const rheo__plane *plane = &solids->planes->plane[wall];
     const rheo_real *n = plane->normal;
@@ -75,18 +75,25 @@ static bool stop_at_wall(const rheo__state *s, const rheo__solids *solids, const
                       lost = stick / (1 + stick),
                       left = rheo__lanes_max(overlap - c->substep * change, rheo__lanes_all(0));
     rheo__lanes *const position[] = {&x->x, &x->y, &x->z}, *const velocity[] = {&v->x, &v->y, &v->z};
+    rheo__lanes3 gain, shift;
+    rheo__lanes *const by[] = {&gain.x, &gain.y, &gain.z}, *const moves[] = {&shift.x, &shift.y, &shift.z};
     for (int axis = 0; axis < 3; axis++) {
-        const rheo__lanes own = *velocity[axis], by = change * n[axis] - lost * (own - normal * n[axis]),
-                          moved = *position[axis] + (c->substep * by + left * n[axis]);
-        *velocity[axis] = rheo__lanes_select(touches, own + by, own);
-        *position[axis] = rheo__lanes_select(touches, moved, *position[axis]);
+        const rheo__lanes own = *velocity[axis];
+        *by[axis] = change * n[axis] - lost * (own - normal * n[axis]);
+        *moves[axis] = c->substep * *by[axis] + left * n[axis];
+        *velocity[axis] = rheo__lanes_select(touches, own + *by[axis], own);
+        *position[axis] = rheo__lanes_select(touches, *position[axis] + *moves[axis], *position[axis]);
+    }
+    if (RHEO__ACCOUNTS_HERE && rheo__has_account(s) && s->account->id == id && rheo__lanes_any(touches)) {
+        rheo__account_add_lanes(s, RHEO__FIELD_velocity, RHEO_SOURCE_WALL, wall, gain);
+        rheo__account_add_lanes(s, RHEO__FIELD_position, RHEO_SOURCE_WALL, wall, shift);
     }
     return true;
 }
 
-/* Stops RHEO__LANES particles, one after another in the arrays; wall_friction may be NULL. */
-static void stop_particles(const rheo__state *s, const rheo__solids *solids, const constants *c, rheo_real *position,
-                           rheo_real *velocity, const rheo_real *wall_friction)
+/* Stops RHEO__LANES particles from `id` on, one after another in the arrays; wall_friction may be NULL. */
+static void stop_particles(const rheo__state *s, const rheo__solids *solids, const constants *c, uint32_t id,
+                           rheo_real *position, rheo_real *velocity, const rheo_real *wall_friction)
 {
     rheo__lanes3 x = rheo__lanes_load_triples(position), v = rheo__lanes_load_triples(velocity);
     rheo__lanes friction = rheo__lanes_all(0);
@@ -95,7 +102,7 @@ static void stop_particles(const rheo__state *s, const rheo__solids *solids, con
     friction = rheo__lanes_min(friction, rheo__lanes_all(MOST_STICK));
     bool any = false;
     for (uint32_t wall = 0; wall < solids->planes->count; wall++)
-        any |= stop_at_wall(s, solids, c, wall, friction, &x, &v);
+        any |= stop_at_wall(s, solids, c, wall, friction, id, &x, &v);
     if (!any)
         return;
     rheo__lanes_store_triples(position, x);
@@ -156,7 +163,7 @@ rheo_result RHEO__VARIANT(stage_walls)(rheo__state *s, void *context)
                          .ball_share = rubbing / (1 + rubbing)};
     const uint32_t left = s->particles % RHEO__LANES, whole = s->particles - left;
     for (uint32_t id = 0; id < whole; id += RHEO__LANES)
-        stop_particles(s, solids, &c, s->position + 3 * (size_t)id, s->velocity + 3 * (size_t)id,
+        stop_particles(s, solids, &c, id, s->position + 3 * (size_t)id, s->velocity + 3 * (size_t)id,
                        solids->wall_friction ? solids->wall_friction + id : NULL);
     if (left) {
         rheo_real x[3 * RHEO__LANES] = {0}, v[3 * RHEO__LANES] = {0}, friction[RHEO__LANES] = {0};
@@ -165,7 +172,7 @@ rheo_result RHEO__VARIANT(stage_walls)(rheo__state *s, void *context)
         memcpy(v, s->velocity + 3 * (size_t)whole, bytes);
         if (solids->wall_friction)
             memcpy(friction, solids->wall_friction + whole, left * sizeof *friction);
-        stop_particles(s, solids, &c, x, v, friction);
+        stop_particles(s, solids, &c, whole, x, v, friction);
         memcpy(s->position + 3 * (size_t)whole, x, bytes);
         memcpy(s->velocity + 3 * (size_t)whole, v, bytes);
     }

@@ -8,6 +8,7 @@
  *
  * No force reads what another has moved, and the forces of a pair are opposite to the last bit.
  */
+#include "core/account_lanes.h"
 #include "space/row_blocks.h"
 #include "thickening/thickening.h"
 
@@ -24,7 +25,8 @@ typedef struct arrays {
 } arrays;
 
 RHEO__FOR_EACH_CASE void add_pair(sums *own, const arrays *a, size_t entry, const rheo__wide_lanes *row,
-                                  rheo_real inverse_support, rheo_real least2, bool with_springs, bool with_pressure)
+                                  rheo_real inverse_support, rheo_real least2, bool with_springs, bool with_pressure,
+                                  const rheo__keeper *keeper)
 {
     const rheo__wide_lanes other = rheo__lanes_load_wide_at(a->point, a->partner + entry);
     const rheo__lanes3 d = rheo__lanes3_minus(other.at, row->at);
@@ -35,17 +37,19 @@ RHEO__FOR_EACH_CASE void add_pair(sums *own, const arrays *a, size_t entry, cons
         const rheo__lanes w = rheo__lanes_max(1 - r * inverse_support, zero);
         const rheo__lanes push = w * ((row->w + other.w) + w * (row->more.x + other.more.x));
         const rheo__lanes by = push * inverse;
+        rheo__keep_pair(keeper, RHEO__SUM_pressure, RHEO_SOURCE_PRESSURE, entry, -by, d);
         own->pressure = rheo__lanes3_minus(own->pressure, (rheo__lanes3){by * d.x, by * d.y, by * d.z});
     }
     if (with_springs) {
         const rheo__lanes length = rheo__lanes_at(a->rest_length, entry), k = rheo__lanes_at(a->stiffness, entry);
         const rheo__lanes by = rheo__lanes_if_less(length, zero, zero, k * (length - r) * inverse);
+        rheo__keep_pair(keeper, RHEO__SUM_springs, RHEO_SOURCE_SPRING, entry, -by, d);
         own->spring = rheo__lanes3_minus(own->spring, (rheo__lanes3){by * d.x, by * d.y, by * d.z});
     }
 }
 
-RHEO__FOR_EACH_CASE void sum_all(rheo__thickening *t, const rheo_real *rest_length, bool with_springs,
-                                 bool with_pressure)
+RHEO__FOR_EACH_CASE void sum_all(const rheo__state *s, rheo__thickening *t, const rheo_real *rest_length,
+                                 bool with_springs, bool with_pressure)
 {
     const arrays a = {t->point, t->pairs->partner, rest_length, t->pair_stiffness};
     const rheo_real inverse_support = (rheo_real)(1 / t->def->fluid.support), least2 = rheo__least_distance2(t->def);
@@ -54,18 +58,22 @@ RHEO__FOR_EACH_CASE void sum_all(rheo__thickening *t, const rheo_real *rest_leng
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         const rheo__wide_lanes row = rheo__lanes_load_wide_row(a.point + rank);
+        const rheo__keeper keeper = rheo__keeper_of(s, t->pairs, rank);
         sums own = {{zero, zero, zero}, {zero, zero, zero}};
+        rheo__keep_begin(&keeper, RHEO__SUM_pressure);
+        rheo__keep_begin(&keeper, RHEO__SUM_springs);
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
-        add_pair(&own, &a, entry, &row, inverse_support, least2, with_springs, with_pressure);
+        add_pair(&own, &a, entry, &row, inverse_support, least2, with_springs, with_pressure, &keeper);
         rheo__lanes_store_row(t->pressure_acceleration + rank, own.pressure);
         const rheo_real half = RHEO__R(0.5);
+        rheo__keep_scale(&keeper, RHEO__SUM_springs, half);
         rheo__lanes_store_row(t->spring_acceleration + rank,
                               (rheo__lanes3){half * own.spring.x, half * own.spring.y, half * own.spring.z});
     }
 }
 
 /* Pushes coinciding particles apart, along a direction that depends on their ids. */
-static void part(rheo__thickening *t)
+static void part(const rheo__state *s, rheo__thickening *t)
 {
     const rheo__pairs *p = t->pairs;
     for (uint32_t i = 0; i < p->rows; i++)
@@ -78,6 +86,12 @@ static void part(rheo__thickening *t)
             rheo__part_direction(p->id_of[i], p->id_of[j], direction);
             const rheo_real push = (a->w + b->w) + (t->point[i].more.x + t->point[j].more.x);
             rheo__point *ai = &t->pressure_acceleration[i], *aj = &t->pressure_acceleration[j];
+            if (rheo__keeps_account(s, p, i))
+                rheo__account_add(s, RHEO__SUM_pressure, RHEO_SOURCE_PARTING, p->id_of[j], -(push * direction[0]),
+                                  -(push * direction[1]), -(push * direction[2]));
+            if (rheo__keeps_account(s, p, j))
+                rheo__account_add(s, RHEO__SUM_pressure, RHEO_SOURCE_PARTING, p->id_of[i], push * direction[0],
+                                  push * direction[1], push * direction[2]);
             ai->x -= push * direction[0];
             ai->y -= push * direction[1];
             ai->z -= push * direction[2];
@@ -114,6 +128,13 @@ static void apply(rheo__state *s, rheo__thickening *t)
             by_pressure = i;
         }
         const rheo_real a[3] = {f.x + g.x, f.y + g.y, f.z + g.z};
+        if (rheo__keeps_account(s, p, i)) {
+            rheo__account_begin(s, RHEO__SUM_acceleration);
+            rheo__account_apply(s, RHEO__SUM_acceleration, RHEO_SOURCE_SUM, 1, RHEO__SUM_springs);
+            rheo__account_apply(s, RHEO__SUM_acceleration, RHEO_SOURCE_SUM, 1, RHEO__SUM_pressure);
+            rheo__account_apply(s, RHEO__FIELD_velocity, RHEO_SOURCE_SUM, step, RHEO__SUM_acceleration);
+            rheo__account_apply(s, RHEO__FIELD_position, RHEO_SOURCE_SUM, step2, RHEO__SUM_acceleration);
+        }
         for (size_t axis = 0; axis < 3; axis++) {
             const size_t at = 3 * (size_t)p->id_of[i] + axis;
             s->velocity[at] += step * a[axis];
@@ -132,13 +153,13 @@ rheo_result RHEO__VARIANT(stage_forces)(rheo__state *s, void *context)
                pressure = t->def->fluid.stiffness > 0 || t->def->fluid.near_stiffness > 0;
     /* Separate calls, so that each is compiled for its case. */
     if (springs && pressure)
-        sum_all(t, rest_length, true, true);
+        sum_all(s, t, rest_length, true, true);
     else if (springs)
-        sum_all(t, rest_length, true, false);
+        sum_all(s, t, rest_length, true, false);
     else
-        sum_all(t, rest_length, false, true);
+        sum_all(s, t, rest_length, false, true);
     if (t->coinciding)
-        part(t);
+        part(s, t);
     if (s->bodies && pressure)
         rheo__wetting_push(s, t);
     apply(s, t);

@@ -1,4 +1,5 @@
 /* Stage gravity: v += substep g (docs/model.md, Motion). */
+#include "core/account.h"
 #include "thickening/thickening.h"
 
 rheo_result rheo__stage_gravity(rheo__state *s, void *context)
@@ -10,6 +11,8 @@ rheo_result rheo__stage_gravity(rheo__state *s, void *context)
     rheo_real change[AT_ONCE];
     for (size_t k = 0; k < AT_ONCE; k++)
         change[k] = step * (rheo_real)t->def->gravity[k % 3];
+    if (rheo__has_account(s))
+        rheo__account_add(s, RHEO__FIELD_velocity, RHEO_SOURCE_GRAVITY, 0, change[0], change[1], change[2]);
     const size_t values = 3 * (size_t)s->particles;
     size_t i = 0;
     for (; i + AT_ONCE <= values; i += AT_ONCE)

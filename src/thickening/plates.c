@@ -12,6 +12,7 @@
  * A particle of it is at x = x0 + D' with velocity V, in periodic space at the image that is nearest to where the
  * particle was when the list was made. All but the particles is in double.
  */
+#include "core/account.h"
 #include "core/math.h"
 #include "thickening/continuum.h"
 #include "thickening/thickening.h"
@@ -84,6 +85,11 @@ static void put_in_place(rheo__state *s, const rheo__thickening *t)
                 x -= rheo__periods_away(x - (double)s->list_position[at], length) * (double)length;
             s->position[at] = (rheo_real)x;
             s->velocity[at] = upper ? (rheo_real)s->plate_velocity[axis] : 0;
+        }
+        if (s->plate[id] && rheo__has_account(s) && s->account->id == id) {
+            const rheo_real *x = s->position + 3 * (size_t)id, *v = s->velocity + 3 * (size_t)id;
+            rheo__account_set(s, RHEO__FIELD_position, RHEO_SOURCE_PLATE, upper, x[0], x[1], x[2]);
+            rheo__account_set(s, RHEO__FIELD_velocity, RHEO_SOURCE_PLATE, upper, v[0], v[1], v[2]);
         }
     }
 }

@@ -10,6 +10,7 @@
  *
  * The same pass over the pairs computes their stiffness (stiffness.h).
  */
+#include "core/account_lanes.h"
 #include "core/field_sums.h"
 #include "thickening/stiffness.h"
 
@@ -45,7 +46,7 @@ typedef struct pass {
 
 RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__wide_point *point, const rheo_real *bound,
                                   const rheo__stiffness_arrays *a, size_t entry, const rows *row, pass does,
-                                  const constants *c)
+                                  const constants *c, const rheo__keeper *keeper)
 {
     const uint32_t *partner = a->partner + entry;
     const rheo__wide_lanes other = rheo__lanes_load_wide_at(point, partner);
@@ -68,6 +69,7 @@ RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__wide_point *point, cons
             RHEO__LANE(bound_of_other, lane) = bound[partner[lane] / RHEO__POINT_VALUES];
         by /= rheo__lanes_max(row->bound, bound_of_other);
     }
+    rheo__keep_pair(keeper, RHEO__SUM_viscosity, RHEO_SOURCE_VISCOSITY, entry, by, d);
     own->loses.x += by * d.x;
     own->loses.y += by * d.y;
     own->loses.z += by * d.z;
@@ -96,9 +98,11 @@ RHEO__FOR_EACH_CASE rheo_real sum_all(rheo__state *s, rheo__thickening *t, const
             row.derivatives.before = rheo__lanes_load_row(a.derivative_before + rank);
         if (c->hardening.history && c->hardening.materials)
             row.derivatives.now = rheo__lanes_load_row_w(a.derivative + rank, &row.derivatives.onset);
+        const rheo__keeper keeper = rheo__keeper_of(s, t->pairs, rank);
         sums own = {{zero, zero, zero}, zero, rheo__no_stiffness()};
+        rheo__keep_begin(&keeper, RHEO__SUM_viscosity);
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
-        add_pair(&own, point, bound, &a, entry, &row, does, c);
+        add_pair(&own, point, bound, &a, entry, &row, does, c, &keeper);
         if (does.springs)
             rheo__keep_stiffness(t, stiffest, rank, &own.stiffness, stiffness_of(&row.point, c), &c->hardening);
         if (does.springs && s->spring_sums.wanted) /* the rest lengths are in the nearest cache now */
@@ -207,7 +211,10 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
         rheo__images_of_numbers(pairs, t->density);
         sum_all(s, t, NULL, NULL, (pass){.viscosity = true, .bounded = true}, &c);
     }
-    if (viscosity)
-        rheo__scatter(s->velocity, t->pressure_acceleration, pairs->id_of, s->particles);
+    if (!viscosity)
+        return RHEO_OK;
+    if (rheo__has_account(s))
+        rheo__account_apply(s, RHEO__FIELD_velocity, RHEO_SOURCE_SUM, -RHEO__R(0.5), RHEO__SUM_viscosity);
+    rheo__scatter(s->velocity, t->pressure_acceleration, pairs->id_of, s->particles);
     return RHEO_OK;
 }

@@ -9,6 +9,7 @@
  *
  * over the ball, with w = 1 - r/h. The ball takes the opposite forces; they are its buoyancy.
  */
+#include "core/account.h"
 #include "thickening/continuum.h"
 #include "thickening/thickening.h"
 
@@ -93,6 +94,9 @@ void rheo__wetting_push(rheo__state *s, rheo__thickening *t)
         const rheo_real push = 2 * (t->point[wet->rank].at.w * wet->integrals.push +
                                     t->point[wet->rank].more.x * wet->integrals.near_push);
         rheo__point *a = &t->pressure_acceleration[wet->rank];
+        if (rheo__has_account(s) && t->pairs->id_of[wet->rank] == s->account->id)
+            rheo__account_add(s, RHEO__SUM_pressure, RHEO_SOURCE_BALL, 0, push * wet->normal[0],
+                              push * wet->normal[1], push * wet->normal[2]);
         a->x += push * wet->normal[0];
         a->y += push * wet->normal[1];
         a->z += push * wet->normal[2];

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "core/account.h"
 #include "core/environment.h"
 #include "world/command_queue.h"
 #include "world/stage_runs.h"
@@ -79,13 +80,24 @@ static void note_refusal(rheo_world *w, uint64_t stage_run)
     snprintf(w->failure.field, sizeof w->failure.field, "%s", rheo__field_table[r->field].name);
 }
 
+static void open_account(const rheo_world *w, uint64_t stage_run)
+{
+    char name[32];
+    rheo__world_stage_run_name(w, stage_run, name);
+    rheo__account_open(&w->state, name);
+}
+
 static rheo_result run_stage(rheo_world *w, uint64_t stage_run, rheo_error *error)
 {
     const uint32_t index = rheo__world_stage_of(w, stage_run);
     const rheo__stage *stage = &w->stage[index];
     rheo__state_remember(&w->state, stage->writes & ~RHEO__REMEMBERED_BY_STAGES);
     w->state.unchanged = 0;
+    if (w->state.account)
+        open_account(w, stage_run);
     const rheo_result result = stage->run(&w->state, stage->context);
+    if (w->state.account)
+        rheo__account_close(&w->state);
     if (result == RHEO_ERROR_STATE)
         note_refusal(w, stage_run);
     else if (result != RHEO_OK)
@@ -144,6 +156,7 @@ static rheo_result fail(rheo_world *w, rheo_error *error)
 /* Makes a failed step again and checks the state after every stage, to find the stage that failed. */
 static void find_bad_stage(rheo_world *w)
 {
+    w->state.account = NULL; /* it has the stages already */
     rheo__state_undo(&w->state);
     rheo__state_begin(&w->state);
     rheo__world_restore_diagnostics(w); /* stages that are not reached keep their old results */

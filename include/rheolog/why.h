@@ -1,0 +1,117 @@
+/*
+ * Who changed a particle: for each stage of a step, what was added to a value of it, in order, and by whom.
+ */
+#ifndef RHEOLOG_WHY_H
+#define RHEOLOG_WHY_H
+
+#include "rheolog/record.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What changes a value. The item, if there is one, is said in parentheses. */
+typedef enum rheo_source {
+    /** Nothing: a sum begins. */
+    RHEO_SOURCE_NONE = 0,
+    /** Gravity. */
+    RHEO_SOURCE_GRAVITY = 1,
+    /** The velocity of the particle, which moves it. */
+    RHEO_SOURCE_VELOCITY = 2,
+    /** Pressure of a pair (the other particle). */
+    RHEO_SOURCE_PRESSURE = 3,
+    /** A spring (its other particle). */
+    RHEO_SOURCE_SPRING = 4,
+    /** Viscosity of a pair (the other particle). */
+    RHEO_SOURCE_VISCOSITY = 5,
+    /** A wall (its number). */
+    RHEO_SOURCE_WALL = 6,
+    /** The ball. */
+    RHEO_SOURCE_BALL = 7,
+    /** A plate (0 the lower, 1 the upper one). */
+    RHEO_SOURCE_PLATE = 8,
+    /** Coinciding particles are parted (the other particle). */
+    RHEO_SOURCE_PARTING = 9,
+    /** XSPH, which moves a particle with its neighbours (the other particle). */
+    RHEO_SOURCE_DRIFT = 10,
+    /** Flow towards a neighbour or away from it changes the density (the other particle). */
+    RHEO_SOURCE_FLOW = 11,
+    /** Heat from a neighbour (the other particle). */
+    RHEO_SOURCE_HEAT = 12,
+    /** The past: a velocity or a mode (how many steps ago it was the newest, or the number of the mode). */
+    RHEO_SOURCE_PAST = 13,
+    /** The solver of the viscosity: what its tolerance leaves. */
+    RHEO_SOURCE_SOLVER = 14,
+    /** Periodic space: the particle is put back into the period. */
+    RHEO_SOURCE_PERIOD = 15,
+    /** Sums over pairs, walls and ball that the stage applies, such as an acceleration. */
+    RHEO_SOURCE_SUM = 16,
+    /** A density that is summed anew (the other particle; its own share: the particle itself). */
+    RHEO_SOURCE_SHARE = 17,
+    /** The particle's displacement in the step sets its velocity. */
+    RHEO_SOURCE_DISPLACEMENT = 18,
+    RHEO_SOURCE_COUNT = 19,
+} rheo_source;
+
+/** Short name of a source, such as "spring"; NULL if there is none of this number. */
+RHEO_API const char *rheo_source_name(rheo_source source);
+/** What its item is: "particle", "wall", "plate", "lag"; "" if it has none. */
+RHEO_API const char *rheo_source_item(rheo_source source);
+
+/** Something that was added to a value, or put in its place. */
+typedef struct rheo_contribution {
+    rheo_source source;
+    /** As rheo_source says. */
+    uint64_t item;
+    /** The sum that `value` was added to, such as "pressure", an acceleration; "" if it was added to the field itself. */
+    const char *sum;
+    /** What was added, exactly. In 1 component for a scalar. For RHEO_SOURCE_VELOCITY the velocity. */
+    double value[3];
+    /** The field changed by so much of the sum: 1 without one. For RHEO_SOURCE_VELOCITY the duration of the substep. */
+    double factor;
+    /** factor x value: the change of the field, in its units. For a value that was put in place of another, their difference. */
+    double change[3];
+    /** Whether the value was put in the place of the field's. */
+    bool sets;
+} rheo_contribution;
+
+/** What a run of a stage did to a field of a particle. */
+typedef struct rheo_change {
+    uint64_t step;
+    /** As of rheo_player_seek_stage(). */
+    char stage[48];
+    char field[32];
+    uint32_t components;
+    double before[3], after[3];
+    /**
+     * Added in their order, in the numbers of the library, the contributions to each sum, and the sums times their factors
+     * to `before`, give `after`, bit for bit. It is true unless rheolog has a bug.
+     */
+    bool exact;
+    /** In the order in which they were added; valid until the receiver returns. */
+    const rheo_contribution *contribution;
+    size_t count;
+} rheo_change;
+
+/** Is called for each change; returns whether more are wanted. */
+typedef bool rheo_change_receiver(void *data, const rheo_change *change);
+
+/**
+ * Tells who changed a field of a particle in a step: makes the step again and calls `receiver` for each stage run that changes or
+ * writes the field, in order. Then the player is at the end of the step; if the step failed, at that of the step before.
+ *
+ * step: from the first step of the recording + 1; also that of a step that failed. stage: only the runs of this stage, or one of
+ * them, as of rheo_player_seek_stage(); NULL: all. field: "position", "velocity", "density", "temperature" or "derivative", if
+ * the world has it.
+ *
+ * RHEO_ERROR_ARGUMENT for others and for a particle that does not exist; RHEO_ERROR_DIFFERS if the step is not the recorded one.
+ */
+RHEO_API rheo_result rheo_player_why(rheo_player *player, uint64_t step, const char *stage, uint64_t id,
+                                     const char *field, rheo_change_receiver *receiver, void *data,
+                                     rheo_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
