@@ -263,6 +263,29 @@ static void every_step_is_reached_from_every_other(void **unused)
     remove(PATH);
 }
 
+/* Sums that a step makes ahead for the next ones are of no use if these are loaded, not made. */
+static void a_step_is_the_same_after_steps_that_are_loaded(void **unused)
+{
+    (void)unused;
+    uint64_t hashes[STEPS + 1];
+    rheo_recording *recording;
+    rheo_player *player;
+    record(true, 1000, hashes);
+    OK(rheo_recording_open(PATH, &recording, &error));
+    OK(rheo_player_open(recording, NULL, &player, &error));
+    for (uint64_t first = 25; first < 33; first++)
+        for (uint64_t loaded = 0; loaded < 20; loaded++) {
+            const uint64_t next = first + loaded + 1;
+            OK(rheo_player_seek_stage(player, first, "history", &error));
+            OK(rheo_player_seek(player, next - 1, &error));
+            OK(rheo_player_seek_stage(player, next, "history", &error));
+            stands_at(player, next, hashes);
+        }
+    rheo_player_close(player);
+    rheo_recording_close(recording);
+    remove(PATH);
+}
+
 /* ---- The cost of moves ---- */
 
 static bool count_steps(const char *task, uint64_t done, uint64_t total, void *user)
@@ -610,6 +633,7 @@ int main(void)
         cmocka_unit_test(the_failed_stage_is_named),
         cmocka_unit_test(the_failed_substep_is_named),
         cmocka_unit_test(every_step_is_reached_from_every_other),
+        cmocka_unit_test(a_step_is_the_same_after_steps_that_are_loaded),
         cmocka_unit_test(a_seek_makes_only_the_steps_in_between),
         cmocka_unit_test(steps_back_make_few_steps),
         cmocka_unit_test(metrics_come_with_the_state),
