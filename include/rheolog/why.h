@@ -12,7 +12,7 @@ extern "C" {
 
 /** What changes a value. The item, if there is one, is said in parentheses. */
 typedef enum rheo_source {
-    /** Nothing: a sum begins. */
+    /** Nothing: a sum begins, or a field is summed anew. */
     RHEO_SOURCE_NONE = 0,
     /** Gravity. */
     RHEO_SOURCE_GRAVITY = 1,
@@ -38,7 +38,7 @@ typedef enum rheo_source {
     RHEO_SOURCE_FLOW = 11,
     /** Heat from a neighbour (the other particle). */
     RHEO_SOURCE_HEAT = 12,
-    /** The past: a velocity or a mode (how many steps ago it was the newest, or the number of the mode). */
+    /** A past velocity (how many steps before the newest that is remembered). */
     RHEO_SOURCE_PAST = 13,
     /** The solver of the viscosity: what its tolerance leaves. */
     RHEO_SOURCE_SOLVER = 14,
@@ -50,7 +50,11 @@ typedef enum rheo_source {
     RHEO_SOURCE_SHARE = 17,
     /** The particle's displacement in the step sets its velocity. */
     RHEO_SOURCE_DISPLACEMENT = 18,
-    RHEO_SOURCE_COUNT = 19,
+    /** A vibrator that pushes particles (its number). */
+    RHEO_SOURCE_VIBRATOR = 19,
+    /** A mode of the past, a sum over its velocities (its number, the slowest first). */
+    RHEO_SOURCE_MODE = 20,
+    RHEO_SOURCE_COUNT = 21,
 } rheo_source;
 
 /** Short name of a source, such as "spring"; NULL if there is none of this number. */

@@ -29,7 +29,8 @@
     X(displacement, "displacement by all iterations")       \
     X(drift, "velocity of XSPH")                            \
     X(density_rate, "rate of density")                      \
-    X(heat_rate, "Laplacian of the temperature")
+    X(heat_rate, "Laplacian of the temperature")            \
+    X(past, "weighted sum over the past")
 
 enum rheo__account_entry {
     RHEO__ACCOUNT_FIRST_SUM = RHEO__FIELD_COUNT,
@@ -86,10 +87,10 @@ static inline bool rheo__keeps_account(const rheo__state *s, const rheo__pairs *
 {
     return RHEO__ACCOUNTS_HERE && s->account && rank < pairs->rows && pairs->id_of[rank] == s->account->id;
 }
-/* The same by id; for any code, since it is asked for once in a stage. */
+/* Whether a particle of the state has an account; for any code, since it is asked for once in a stage. */
 static inline bool rheo__has_account(const rheo__state *s)
 {
-    return s->account != NULL;
+    return s->account && s->account->id < s->particles;
 }
 
 /* Adds a line. The item of a source is explained in rheolog/why.h. */
@@ -103,6 +104,14 @@ void rheo__account_scale(const rheo__state *s, uint32_t entry, rheo_real by);
 static inline void rheo__account_begin(const rheo__state *s, uint32_t sum)
 {
     rheo__account_set(s, sum, RHEO_SOURCE_NONE, 0, 0, 0, 0);
+}
+/* The field becomes `by` times a sum. -0 + x is x, also for x = -0. */
+static inline void rheo__account_renew(const rheo__state *s, uint32_t field, rheo_source source, rheo_real by,
+                                       uint32_t sum)
+{
+    const rheo_real nothing = -RHEO__R(0.0);
+    rheo__account_set(s, field, RHEO_SOURCE_NONE, 0, nothing, nothing, nothing);
+    rheo__account_apply(s, field, source, by, sum);
 }
 
 /* Are called before and after a stage run of a state with an account; without the particle they do nothing. */

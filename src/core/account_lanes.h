@@ -19,6 +19,11 @@ static inline bool rheo__keeps(const rheo__keeper *keeper)
 {
     return RHEO__ACCOUNTS_HERE && keeper->state;
 }
+/* Whether a stage keeps an account at all. */
+static inline bool rheo__keeps_any(const rheo__state *s)
+{
+    return RHEO__ACCOUNTS_HERE && rheo__has_account(s);
+}
 static inline void rheo__keep_begin(const rheo__keeper *keeper, uint32_t sum)
 {
     if (rheo__keeps(keeper))
@@ -44,6 +49,15 @@ static inline void rheo__keep_pair(const rheo__keeper *keeper, uint32_t sum, rhe
     rheo__account_add(keeper->state, sum, source, keeper->pairs->id_of[rheo__pairs_partner(keeper->pairs, entry)],
                       RHEO__LANE(by, 0) * RHEO__LANE(d.x, 0), RHEO__LANE(by, 0) * RHEO__LANE(d.y, 0),
                       RHEO__LANE(by, 0) * RHEO__LANE(d.z, 0));
+}
+/* One pair of a list of width 1: rank i loses something of a field, and rank j gains it. */
+static inline void rheo__keep_exchange(const rheo__state *s, const rheo__pairs *pairs, rheo__field_id field,
+                                       rheo_source source, uint32_t i, uint32_t j, rheo__lanes3 loses)
+{
+    if (rheo__keeps_account(s, pairs, i))
+        rheo__account_add_lanes(s, field, source, pairs->id_of[j], (rheo__lanes3){-loses.x, -loses.y, -loses.z});
+    if (rheo__keeps_account(s, pairs, j))
+        rheo__account_add_lanes(s, field, source, pairs->id_of[i], loses);
 }
 
 #endif

@@ -35,6 +35,8 @@ static const struct {
     [RHEO_SOURCE_SUM] = {"sum", ""},
     [RHEO_SOURCE_SHARE] = {"share", "particle"},
     [RHEO_SOURCE_DISPLACEMENT] = {"displacement", ""},
+    [RHEO_SOURCE_VIBRATOR] = {"vibrator", "vibrator"},
+    [RHEO_SOURCE_MODE] = {"mode", "mode"},
 };
 
 const char *rheo_source_name(rheo_source source)
@@ -121,6 +123,11 @@ static void put_sum(contributions *all, const rheo__account *a, uint32_t sum, si
     }
 }
 
+static bool is_zero(const rheo__account_line *line)
+{
+    return line->operation == RHEO__ACCOUNT_ADD && line->value[0] == 0 && line->value[1] == 0 && line->value[2] == 0;
+}
+
 /* What the lines of a stage run put into a field. */
 static void put_stage(contributions *all, const rheo__account *a, const rheo__account_stage *stage,
                       rheo__field_id field)
@@ -134,6 +141,8 @@ static void put_stage(contributions *all, const rheo__account *a, const rheo__ac
         rheo__account_replay(a, i, i + 1, values);
         if (line->entry != field)
             continue;
+        if (is_zero(line) && memcmp(before, values[field], sizeof before) == 0)
+            continue; /* a pair that does not act; a -0 that becomes 0 is told */
         for (int axis = 0; axis < 3; axis++)
             c.change[axis] = (double)values[field][axis] - (double)before[axis];
         if (line->operation == RHEO__ACCOUNT_SET) {

@@ -5,6 +5,7 @@
  */
 #include "solids/solids.h"
 
+#include "core/account.h"
 #include "core/math.h"
 
 static const double TWO_PI = 6.28318530717958647692;
@@ -66,8 +67,12 @@ static void push(rheo__state *s, const rheo__solids *solids)
         for (uint32_t i = 0; i < s->vibrators; i++) {
             rheo_real dx = x[0] - s->vibrator_position[2 * i], dz = x[2] - s->vibrator_position[2 * i + 1];
             rheo_real distance2 = dx * dx + dz * dz;
-            if (distance2 < radius2)
-                s->velocity[3 * (size_t)id + 1] += gain[i] * (1 - distance2 / radius2);
+            if (!(distance2 < radius2))
+                continue;
+            const rheo_real by = gain[i] * (1 - distance2 / radius2);
+            s->velocity[3 * (size_t)id + 1] += by;
+            if (rheo__has_account(s) && s->account->id == id) /* adding -0 changes nothing */
+                rheo__account_add(s, RHEO__FIELD_velocity, RHEO_SOURCE_VIBRATOR, i, -RHEO__R(0.0), by, -RHEO__R(0.0));
         }
     }
 }

@@ -11,6 +11,7 @@
  * are those of rheo__particle_derivative(). Blocks take their passes in turn, so that each step does an equal share
  * of the work. A ring of few rows is read as a whole in every step.
  */
+#include "core/account_lanes.h"
 #include "core/lanes.h"
 #include "thickening/thickening.h"
 
@@ -130,6 +131,21 @@ static void sum_all(rheo__state *s, const rheo__thickening *t, uint32_t rows)
     }
 }
 
+/* The terms of the sum of one particle, in the order in which all passes together add them. */
+static void keep_account(const rheo__state *s, const rheo__thickening *t, uint32_t rows)
+{
+    const uint32_t first = t->def->history.lag;
+    rheo__account_begin(s, RHEO__SUM_past);
+    for (uint32_t m = rows; m-- > 0;) {
+        const rheo_real weight = (m == rows - 1 ? t->first_weight : t->weight)[m];
+        rheo_real term[3];
+        for (size_t axis = 0; axis < 3; axis++)
+            term[axis] = weight * rheo__ring_value(&s->ring, first + m, 3 * (size_t)s->account->id + axis);
+        rheo__account_add(s, RHEO__SUM_past, RHEO_SOURCE_PAST, first + m, term[0], term[1], term[2]);
+    }
+    rheo__account_renew(s, RHEO__FIELD_derivative, RHEO_SOURCE_SUM, t->derivative_scale, RHEO__SUM_past);
+}
+
 rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
@@ -138,6 +154,8 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
     size_t values = 3 * (size_t)s->particles, blocks = rheo__ring_blocks(s->particles);
     const uint32_t rows = (uint32_t)rheo__old_rows(t, *s->history_rows);
     rheo__state_renew(s, RHEO__FIELD_derivative);
+    if (rheo__keeps_any(s))
+        keep_account(s, t, rows);
     if (rows == 0) {
         memset(s->derivative, 0, values * sizeof *s->derivative);
         return RHEO_OK;

@@ -7,6 +7,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "core/account.h"
 #include "thickening/margins.h"
 #include "thickening/thickening.h"
 
@@ -163,6 +164,18 @@ static bool have_drifted(const rheo__thickening *t, const rheo__motion *m)
     return drifted;
 }
 
+/* Puts the coordinates into the range about the origin. */
+static void wrap(rheo__state *s, const rheo__period *period)
+{
+    const rheo_real *x = rheo__has_account(s) ? s->position + 3 * (size_t)s->account->id : NULL;
+    rheo_real before[3];
+    if (x)
+        memcpy(before, x, sizeof before);
+    rheo__period_wrap(period, s->position, s->particles);
+    if (x && memcmp(before, x, sizeof before) != 0)
+        rheo__account_set(s, RHEO__FIELD_position, RHEO_SOURCE_PERIOD, 0, x[0], x[1], x[2]);
+}
+
 rheo_result rheo__stage_neighbours(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
@@ -173,7 +186,7 @@ rheo_result rheo__stage_neighbours(rheo__state *s, void *context)
         s->unchanged = RHEO__BIT(list_position) | RHEO__BIT(list_margin) | RHEO__BIT(position);
     } else {
         if (t->period->axes)
-            rheo__period_wrap(t->period, s->position, s->particles);
+            wrap(s, t->period);
         set_margins(s, &m, t->def);
     }
     if (!lasts || t->list_made_for != s->rewritten + 1)

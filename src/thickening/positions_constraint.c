@@ -10,6 +10,7 @@
  * particles move at once, `iterations` times; then v += displacement/step. The displacements of a pair are opposite to
  * the last bit.
  */
+#include "core/account_lanes.h"
 #include "space/row_blocks.h"
 #include "thickening/densities.h"
 
@@ -87,31 +88,35 @@ RHEO__FOR_EACH_CASE size_t sum_densities(rheo__thickening *t, const constants *c
 }
 
 /* The displacements of an iteration, in pressure_acceleration. */
-static void sum_displacements(rheo__thickening *t, const constants *c)
+static void sum_displacements(const rheo__state *s, rheo__thickening *t, const constants *c)
 {
     const rheo__lanes zero = rheo__lanes_all(0);
     RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         const rheo__wide_lanes row = rheo__lanes_load_wide_row(t->point + rank);
+        const rheo__keeper keeper = rheo__keeper_of(s, t->pairs, rank);
         rheo__lanes3 sum = {zero, zero, zero};
+        rheo__keep_begin(&keeper, RHEO__SUM_correction);
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
         {
             rheo__lanes lambda;
             const rheo__lanes3 at = rheo__lanes_load_values(&t->point->at.x, t->pairs->partner + entry, 2, &lambda);
             const pair l = pair_of(row.at, at, c);
             const rheo__lanes by = (row.w + lambda) * l.by;
+            rheo__keep_pair(&keeper, RHEO__SUM_correction, RHEO_SOURCE_PRESSURE, entry, by, l.d);
             sum.x += by * l.d.x;
             sum.y += by * l.d.y;
             sum.z += by * l.d.z;
         }
+        rheo__keep_scale(&keeper, RHEO__SUM_correction, c->move);
         rheo__lanes_store_row(t->pressure_acceleration + rank,
                               (rheo__lanes3){c->move * sum.x, c->move * sum.y, c->move * sum.z});
     }
 }
 
 /* Moves coinciding particles apart, along a direction that depends on their ids. */
-static void part(rheo__thickening *t, const constants *c)
+static void part(const rheo__state *s, rheo__thickening *t, const constants *c)
 {
     const rheo__pairs *p = t->pairs;
     for (uint32_t i = 0; i < p->rows; i++)
@@ -123,6 +128,9 @@ static void part(rheo__thickening *t, const constants *c)
             rheo_real direction[3];
             rheo__part_direction(p->id_of[i], p->id_of[j], direction);
             const rheo_real by = c->move * (a->w + b->w);
+            if (rheo__keeps_account(s, p, i))
+                rheo__account_add(s, RHEO__SUM_correction, RHEO_SOURCE_PARTING, p->id_of[j], by * direction[0],
+                                  by * direction[1], by * direction[2]);
             t->pressure_acceleration[i].x += by * direction[0];
             t->pressure_acceleration[i].y += by * direction[1];
             t->pressure_acceleration[i].z += by * direction[2];
@@ -130,10 +138,14 @@ static void part(rheo__thickening *t, const constants *c)
 }
 
 /* Moves all particles. The sum of the displacements is in spring_acceleration. */
-static void move(rheo__thickening *t)
+static void move(const rheo__state *s, rheo__thickening *t)
 {
     for (uint32_t i = 0; i < t->pairs->rows; i++) {
         const rheo__point d = t->pressure_acceleration[i];
+        if (rheo__keeps_account(s, t->pairs, i)) {
+            rheo__account_apply(s, RHEO__FIELD_position, RHEO_SOURCE_SUM, 1, RHEO__SUM_correction);
+            rheo__account_apply(s, RHEO__SUM_displacement, RHEO_SOURCE_SUM, 1, RHEO__SUM_correction);
+        }
         rheo__point *at = &t->point[i].at, *sum = &t->spring_acceleration[i];
         at->x += d.x;
         at->y += d.y;
@@ -158,6 +170,8 @@ static void apply(rheo__state *s, rheo__thickening *t)
             most = length2;
             furthest = i;
         }
+        if (rheo__keeps_account(s, p, i))
+            rheo__account_apply(s, RHEO__FIELD_velocity, RHEO_SOURCE_SUM, rate, RHEO__SUM_displacement);
         for (size_t axis = 0; axis < 3; axis++) {
             const size_t value = 3 * (size_t)p->id_of[i] + axis;
             s->position[value] = at[axis];
@@ -184,13 +198,15 @@ rheo_result RHEO__VARIANT(stage_positions_constraint)(rheo__state *s, void *cont
                                     def->positions.history != RHEO_POSITIONS_VISCOSITY};
     rheo__positions_gather(s, t);
     memset(t->spring_acceleration, 0, t->pairs->rows * sizeof *t->spring_acceleration);
+    if (rheo__keeps_any(s))
+        rheo__account_begin(s, RHEO__SUM_displacement);
     for (uint64_t k = 0; k < def->positions.iterations; k++) {
         t->coinciding = false;
         sum_densities(t, &c, true);
-        sum_displacements(t, &c);
+        sum_displacements(s, t, &c);
         if (t->coinciding)
-            part(t, &c);
-        move(t);
+            part(s, t, &c);
+        move(s, t);
     }
     const size_t ends = sum_densities(t, &c, false);
     t->diagnostics.mean_neighbours = s->particles ? (double)ends / s->particles : 0;

@@ -8,6 +8,7 @@
  * at most half of its velocity from its neighbours. All velocities follow from those before the stage, and the changes of
  * a pair are opposite to the last bit.
  */
+#include "core/account_lanes.h"
 #include "space/row_blocks.h"
 #include "thickening/thickening.h"
 
@@ -16,7 +17,7 @@ typedef struct constants {
 } constants;
 
 /* Sums of all rows: 2 F into density, or the new velocities into pressure_acceleration. */
-RHEO__FOR_EACH_CASE void sum_all(rheo__thickening *t, const constants *c, bool shares)
+RHEO__FOR_EACH_CASE void sum_all(const rheo__state *s, rheo__thickening *t, const constants *c, bool shares)
 {
     const rheo__lanes zero = rheo__lanes_all(0);
     RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
@@ -25,6 +26,9 @@ RHEO__FOR_EACH_CASE void sum_all(rheo__thickening *t, const constants *c, bool s
         const rheo__wide_lanes row = rheo__lanes_load_wide_row(t->point + rank);
         rheo__lanes share = zero;
         rheo__lanes3 gain = {zero, zero, zero};
+        const rheo__keeper keeper = rheo__keeper_of(s, t->pairs, rank);
+        if (!shares)
+            rheo__keep_begin(&keeper, RHEO__SUM_viscosity);
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
         {
             const rheo__wide_lanes other = rheo__lanes_load_wide_at(t->point, t->pairs->partner + entry);
@@ -37,6 +41,7 @@ RHEO__FOR_EACH_CASE void sum_all(rheo__thickening *t, const constants *c, bool s
                 continue;
             }
             const rheo__lanes by = f / rheo__lanes_max(rheo__lanes_max(row.more_w, other.more_w), rheo__lanes_all(1));
+            rheo__keep_pair(&keeper, RHEO__SUM_viscosity, RHEO_SOURCE_VISCOSITY, entry, by, v);
             gain.x += by * v.x;
             gain.y += by * v.y;
             gain.z += by * v.z;
@@ -63,10 +68,12 @@ rheo_result RHEO__VARIANT(stage_positions_viscosity)(rheo__state *s, void *conte
         const rheo_real *x = s->position + 3 * (size_t)p->id_of[i], *v = s->velocity + 3 * (size_t)p->id_of[i];
         t->point[i] = (rheo__wide_point){{x[0], x[1], x[2], history ? t->multiplier[i] : 1}, {v[0], v[1], v[2], 0}};
     }
-    sum_all(t, &c, true);
+    sum_all(s, t, &c, true);
     for (uint32_t i = 0; i < p->rows; i++)
         t->point[i].more.w = t->density[i];
-    sum_all(t, &c, false);
+    sum_all(s, t, &c, false);
+    if (rheo__keeps_any(s))
+        rheo__account_apply(s, RHEO__FIELD_velocity, RHEO_SOURCE_SUM, 1, RHEO__SUM_viscosity);
     rheo__scatter(s->velocity, t->pressure_acceleration, p->id_of, s->particles);
     return RHEO_OK;
 }

@@ -10,6 +10,7 @@
  */
 #include <assert.h>
 
+#include "core/account_lanes.h"
 #include "space/walk.h"
 #include "thickening/densities.h"
 
@@ -56,8 +57,24 @@ static inline void weigh(rows *own, row_entry *entry, const rheo__walk_pairs *pa
     own->coinciding |= coinciding;
 }
 
-static inline void move(rows *own, rheo__point *x, const row_entry *entry, bool all, rheo__lanes pressure,
-                        rheo__lanes near_pressure)
+/* Notes what rank i loses to its partner. Only coinciding pairs have the direction of part(). */
+static void keep_move(const rheo__state *s, const rheo__pairs *pairs, uint32_t i, const row_entry *entry,
+                      rheo__lanes3 loses)
+{
+    const uint32_t j = entry->partner[0];
+    if (!rheo__keeps_account(s, pairs, i) && !rheo__keeps_account(s, pairs, j))
+        return;
+    rheo_real direction[3];
+    rheo__part_direction(pairs->id_of[i], pairs->id_of[j], direction);
+    const bool parted = RHEO__LANE(entry->to.x, 0) == direction[0] && RHEO__LANE(entry->to.y, 0) == direction[1] &&
+                        RHEO__LANE(entry->to.z, 0) == direction[2];
+    rheo__keep_exchange(s, pairs, RHEO__FIELD_position, parted ? RHEO_SOURCE_PARTING : RHEO_SOURCE_PRESSURE, i, j,
+                        loses);
+}
+
+/* `i` has the ranks of the rows, for the account. */
+static inline void move(const rheo__state *s, const rheo__thickening *t, const uint32_t *i, rows *own, rheo__point *x,
+                        const row_entry *entry, bool all, rheo__lanes pressure, rheo__lanes near_pressure)
 {
     rheo__lanes3 xj = rheo__lanes_load(x, entry->partner);
     rheo__lanes by = entry->w * (pressure + near_pressure * entry->w);
@@ -67,6 +84,8 @@ static inline void move(rows *own, rheo__point *x, const row_entry *entry, bool 
         i_loses = rheo__lanes3_keep(entry->active, i_loses);
         j_loses = rheo__lanes3_keep(entry->active, j_loses);
     }
+    if (rheo__keeps_any(s))
+        keep_move(s, t->pairs, i[0], entry, i_loses);
     own->x = rheo__lanes3_minus(own->x, i_loses);
     rheo__lanes_store(x, entry->partner, rheo__lanes3_minus(xj, j_loses));
 }
@@ -88,7 +107,8 @@ static void part(const rheo__walk *walk, int vector, const rheo__pairs *pairs, c
         }
 }
 
-static void relax_rows(const rheo__thickening *t, const rheo__walk *walk, constants c, rheo__point *x)
+static void relax_rows(const rheo__state *s, const rheo__thickening *t, const rheo__walk *walk, constants c,
+                       rheo__point *x)
 {
     row_entry *entry = t->round;
     rows own[RHEO__VECTORS] = {0};
@@ -120,11 +140,13 @@ static void relax_rows(const rheo__thickening *t, const rheo__walk *walk, consta
     }
     for (k = 0; k < walk->shortest; k++)
         RHEO__EACH_VECTOR (n)
-            move(&own[n], x, &entry[k * RHEO__VECTORS + (uint32_t)n], true, pressure[n], near_pressure[n]);
+            move(s, t, rheo__walk_rows(walk, n), &own[n], x, &entry[k * RHEO__VECTORS + (uint32_t)n], true,
+                 pressure[n], near_pressure[n]);
     for (uint32_t longest = rheo__walk_longest(walk); k < longest; k++)
         RHEO__EACH_VECTOR (n)
             if (k < walk->longest[n])
-                move(&own[n], x, &entry[k * RHEO__VECTORS + (uint32_t)n], false, pressure[n], near_pressure[n]);
+                move(s, t, rheo__walk_rows(walk, n), &own[n], x, &entry[k * RHEO__VECTORS + (uint32_t)n], false,
+                     pressure[n], near_pressure[n]);
     RHEO__EACH_VECTOR (n)
         rheo__lanes_store(x, rheo__walk_rows(walk, n), own[n].x);
 }
@@ -149,7 +171,7 @@ rheo_result RHEO__VARIANT(stage_density)(rheo__state *s, void *context)
     for (uint32_t group = 0; group < t->list.group_count; group++) {
         rheo__walk walk = rheo__walk_group(&t->list, group, pairs->rows);
         while (rheo__walk_on(&walk, t->list.row_start))
-            relax_rows(t, &walk, c, x);
+            relax_rows(s, t, &walk, c, x);
     }
     rheo__note_densities(t);
     t->diagnostics.max_pressure_displacement = rheo__scatter_moved(s->position, x, pairs->id_of, pairs->rows);

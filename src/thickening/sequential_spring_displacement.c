@@ -9,6 +9,7 @@
  */
 #include <assert.h>
 
+#include "core/account_lanes.h"
 #include "space/walk.h"
 #include "thickening/thickening.h"
 
@@ -18,6 +19,7 @@ typedef struct constants {
 
 /* Arguments of a sweep over the springs; arrays are in rank order. */
 typedef struct sweep {
+    const rheo__state *state; /* for its account */
     const rheo__neighbours *list;
     const rheo__pairs *pairs;
     const rheo_real *rest_length;
@@ -34,8 +36,12 @@ typedef struct rows {
     rheo__lanes sum, most; /* of k_hist |D^q|; the sum starts with the shares of lower rows */
 } rows;
 
-/* One spring in each lane. Coinciding ends have no direction; near pressure separates them. */
-static inline void displace(sweep *w, rows *own, const rheo__walk_pairs *pairs, bool all, bool history, bool implicit)
+/*
+ * One spring in each lane; `row` has the ranks of the rows, for the account. Coinciding ends have no direction; near
+ * pressure separates them.
+ */
+static inline void displace(sweep *w, rows *own, const uint32_t *row, const rheo__walk_pairs *pairs, bool all,
+                            bool history, bool implicit)
 {
     rheo__lanes stiffness = {0};
     if (history) {
@@ -63,6 +69,8 @@ static inline void displace(sweep *w, rows *own, const rheo__walk_pairs *pairs, 
         i_loses = rheo__lanes3_keep(pairs->active, i_loses);
         j_loses = rheo__lanes3_keep(pairs->active, j_loses);
     }
+    rheo__keep_exchange(w->state, w->pairs, RHEO__FIELD_position, RHEO_SOURCE_SPRING, row[0], pairs->partner[0],
+                        i_loses);
     own->x = rheo__lanes3_minus(own->x, i_loses);
     rheo__lanes_store_w(w->position, pairs->partner, rheo__lanes3_minus(xj, j_loses), sum + stiffness);
 }
@@ -98,13 +106,13 @@ static inline void sweep_lines(sweep *w, bool history, bool implicit)
             for (; k < walk.shortest; k++)
                 RHEO__EACH_VECTOR (n) {
                     rheo__walk_take(&walk, n, k, w->pairs->partner, true, &pairs);
-                    displace(w, &own[n], &pairs, true, history, implicit);
+                    displace(w, &own[n], rheo__walk_rows(&walk, n), &pairs, true, history, implicit);
                 }
             for (uint32_t longest = rheo__walk_longest(&walk); k < longest; k++)
                 RHEO__EACH_VECTOR (n)
                     if (k < walk.longest[n]) {
                         rheo__walk_take(&walk, n, k, w->pairs->partner, false, &pairs);
-                        displace(w, &own[n], &pairs, false, history, implicit);
+                        displace(w, &own[n], rheo__walk_rows(&walk, n), &pairs, false, history, implicit);
                     }
             RHEO__EACH_VECTOR (n) {
                 rheo__lanes_store_w(w->position, rheo__walk_rows(&walk, n), own[n].x, own[n].sum);
@@ -187,7 +195,8 @@ rheo_result RHEO__VARIANT(stage_spring_displacement)(rheo__state *s, void *conte
     const bool history = rheo__state_has(s, RHEO__FIELD_history_rows),
                implicit = def->springs.solver == RHEO_SOLVER_IMPLICIT;
     const rheo_real step = (rheo_real)def->step;
-    sweep w = {.list = &t->list,
+    sweep w = {.state = s,
+               .list = &t->list,
                .pairs = pairs,
                .rest_length = s->springs.rest_length,
                .derivative = t->derivative,

@@ -7,6 +7,7 @@
  * Sequential: each pair reads the velocities written by the pairs before it. Coinciding particles have no direction;
  * they get no impulse.
  */
+#include "core/account_lanes.h"
 #include "space/walk.h"
 #include "thickening/thickening.h"
 
@@ -14,9 +15,10 @@ typedef struct constants {
     rheo_real sigma, beta, inverse_support;
 } constants;
 
-/* One pair in each lane. */
+/* One pair in each lane. `row` has the ranks of the rows, for the account. */
 static inline void push(rheo__lanes3 *vi, rheo__lanes3 xi, rheo__point *v, const rheo__point *x,
-                        const rheo__walk_pairs *pairs, bool all, constants c)
+                        const rheo__walk_pairs *pairs, bool all, constants c, const rheo__state *s,
+                        const rheo__pairs *list, const uint32_t *row)
 {
     rheo__lanes3 xj = rheo__lanes_load(x, pairs->partner), vj = rheo__lanes_load(v, pairs->partner);
     rheo__lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
@@ -35,13 +37,15 @@ static inline void push(rheo__lanes3 *vi, rheo__lanes3 xi, rheo__point *v, const
         i_loses = rheo__lanes3_keep(pairs->active, i_loses);
         j_loses = rheo__lanes3_keep(pairs->active, j_loses);
     }
+    rheo__keep_exchange(s, list, RHEO__FIELD_velocity, RHEO_SOURCE_VISCOSITY, row[0], pairs->partner[0], i_loses);
     *vi = rheo__lanes3_minus(*vi, i_loses);
     rheo__lanes_store(v, pairs->partner, rheo__lanes3_minus(vj, j_loses));
 }
 
-static void push_rows(const rheo__walk *walk, const uint32_t *partner, const rheo__point *x, rheo__point *v,
-                      constants c)
+static void push_rows(const rheo__state *s, const rheo__walk *walk, const rheo__pairs *list, const rheo__point *x,
+                      rheo__point *v, constants c)
 {
+    const uint32_t *partner = list->partner;
     rheo__lanes3 xi[RHEO__VECTORS], vi[RHEO__VECTORS];
     rheo__walk_prefetch(walk, partner, sizeof *partner);
     RHEO__EACH_VECTOR (n) {
@@ -53,13 +57,13 @@ static void push_rows(const rheo__walk *walk, const uint32_t *partner, const rhe
     for (; k < walk->shortest; k++)
         RHEO__EACH_VECTOR (n) {
             rheo__walk_take(walk, n, k, partner, true, &pairs);
-            push(&vi[n], xi[n], v, x, &pairs, true, c);
+            push(&vi[n], xi[n], v, x, &pairs, true, c, s, list, rheo__walk_rows(walk, n));
         }
     for (uint32_t longest = rheo__walk_longest(walk); k < longest; k++)
         RHEO__EACH_VECTOR (n)
             if (k < walk->longest[n]) {
                 rheo__walk_take(walk, n, k, partner, false, &pairs);
-                push(&vi[n], xi[n], v, x, &pairs, false, c);
+                push(&vi[n], xi[n], v, x, &pairs, false, c, s, list, rheo__walk_rows(walk, n));
             }
     RHEO__EACH_VECTOR (n)
         rheo__lanes_store(v, rheo__walk_rows(walk, n), vi[n]);
@@ -79,7 +83,7 @@ rheo_result RHEO__VARIANT(stage_sequential_viscosity)(rheo__state *s, void *cont
     for (uint32_t group = 0; group < t->list.group_count; group++) {
         rheo__walk walk = rheo__walk_group(&t->list, group, pairs->rows);
         while (rheo__walk_on(&walk, pairs->start))
-            push_rows(&walk, pairs->partner, x, v, c);
+            push_rows(s, &walk, pairs, x, v, c);
     }
     rheo__scatter(s->velocity, v, pairs->id_of, s->particles);
     return RHEO_OK;

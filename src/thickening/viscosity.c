@@ -213,7 +213,7 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
     }
     if (!viscosity)
         return RHEO_OK;
-    if (rheo__has_account(s))
+    if (rheo__keeps_any(s))
         rheo__account_apply(s, RHEO__FIELD_velocity, RHEO_SOURCE_SUM, -RHEO__R(0.5), RHEO__SUM_viscosity);
     rheo__scatter(s->velocity, t->pressure_acceleration, pairs->id_of, s->particles);
     return RHEO_OK;
