@@ -570,6 +570,40 @@ static void particles_added_in_the_step_are_told(void **state)
     }
 }
 
+/* Springs that are far too stiff: some value of the step is not finite. */
+static void a_step_that_fails_is_told(void **state)
+{
+    (void)state;
+    recorded r;
+    rheo_recorder *recorder;
+    rheo_error why = {""};
+    rheo_failure failure;
+    size_t size;
+    rheo_world *world = sequential_world();
+    const rheo_record_options options = {.scene = "why", .keyframe_spacing = 1};
+    OK(rheo_recorder_open_memory(world, &options, &recorder, &error));
+    OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_world_set(world, "springs.stiffness", "1e30", &error));
+    rheo_result result = RHEO_OK;
+    for (int i = 0; i < 50 && result == RHEO_OK; i++)
+        result = rheo_recorder_step(recorder, &why);
+    assert_int_equal(result, RHEO_ERROR_STATE);
+    OK(rheo_recorder_close_memory(recorder, &r.bytes, &size, &error));
+    OK(rheo_recording_open_memory(r.bytes, size, &r.recording, &error));
+    OK(rheo_player_open(r.recording, NULL, &r.player, &error));
+    assert_true(rheo_recording_failure(r.recording, &failure));
+    told t = {.of = "failing"};
+    for (uint64_t id = 0; id < 12; id++)
+        check_particle(r.player, failure.step, 20 * id, &t);
+    check_particle(r.player, failure.step, failure.id, &t);
+    assert_true(t.by[RHEO_SOURCE_SPRING] > 50);
+    /* The player is at the step before, and goes on from there. */
+    assert_int_equal(rheo_world_step_count(rheo_player_world(r.player)), failure.step - 1);
+    check_particle(r.player, failure.step - 1, 1, &t);
+    rheo_world_destroy(world);
+    discard(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -586,6 +620,7 @@ int main(void)
         cmocka_unit_test(each_mode_of_the_past_is_told),
         cmocka_unit_test(each_scheme_and_memory_is_exact),
         cmocka_unit_test(particles_added_in_the_step_are_told),
+        cmocka_unit_test(a_step_that_fails_is_told),
     };
     return cmocka_run_group_tests_name("why of thickening", tests, NULL, NULL);
 }
