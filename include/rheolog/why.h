@@ -24,7 +24,7 @@ typedef enum rheo_source {
     RHEO_SOURCE_SPRING = 4,
     /** Viscosity of a pair (the other particle). */
     RHEO_SOURCE_VISCOSITY = 5,
-    /** A wall (its number). */
+    /** A wall (its number; that of the nearest for the share that several walls have together in a summed density). */
     RHEO_SOURCE_WALL = 6,
     /** The ball. */
     RHEO_SOURCE_BALL = 7,
@@ -40,7 +40,7 @@ typedef enum rheo_source {
     RHEO_SOURCE_HEAT = 12,
     /** A past velocity (how many steps before the newest that is remembered). */
     RHEO_SOURCE_PAST = 13,
-    /** The solver of the viscosity: what its tolerance leaves. */
+    /** The solver of the viscosity: what its tolerance and its rounding leave. */
     RHEO_SOURCE_SOLVER = 14,
     /** Periodic space: the particle is put back into the period. */
     RHEO_SOURCE_PERIOD = 15,

@@ -53,6 +53,30 @@ void rheo__account_scale(const rheo__state *s, uint32_t entry, rheo_real by)
     add_line(s, (rheo__account_line){.operation = RHEO__ACCOUNT_SCALE, .entry = (uint8_t)entry, .value = {by}});
 }
 
+/*
+ * The sum of a value and the rounded rest is `to`, or as near to it as the rounding of the rest. A second rest is exact
+ * then [Sterbenz 1974]. Only -0 or a sum that is not finite cannot be reached by additions.
+ */
+void rheo__account_add_rest(const rheo__state *s, rheo__field_id field, rheo_source source, const rheo_real to[3])
+{
+    enum { ADDITIONS = 2 };
+    const rheo__account *a = s->account;
+    for (int i = 0; i <= ADDITIONS; i++) {
+        const rheo__account_stage *stage = &a->stage[a->stages - 1];
+        rheo__account_values values;
+        memcpy(values, stage->before, sizeof values);
+        rheo__account_replay(a, stage->first, a->count, values);
+        if (memcmp(values[field], to, sizeof values[field]) == 0)
+            return;
+        const rheo_real *is = values[field];
+        const rheo_real rest[3] = {to[0] - is[0], to[1] - is[1], to[2] - is[2]};
+        if (i < ADDITIONS && (rest[0] != 0 || rest[1] != 0 || rest[2] != 0))
+            rheo__account_add(s, field, source, 0, rest[0], rest[1], rest[2]);
+        else
+            rheo__account_set(s, field, source, 0, to[0], to[1], to[2]);
+    }
+}
+
 /* The values of the fields; those of sums stay. */
 static void get_fields(const rheo__state *s, rheo__account_values values)
 {

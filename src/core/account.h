@@ -28,7 +28,10 @@
     X(correction, "displacement by the density constraint") \
     X(displacement, "displacement by all iterations")       \
     X(drift, "velocity of XSPH")                            \
+    X(motion, "velocity with that of XSPH")                 \
+    X(number_density, "particles per volume")               \
     X(density_rate, "rate of density")                      \
+    X(drift_rate, "rate of density by XSPH")                \
     X(heat_rate, "Laplacian of the temperature")            \
     X(past, "weighted sum over the past")
 
@@ -100,6 +103,8 @@ void rheo__account_add(const rheo__state *s, uint32_t entry, rheo_source source,
                        rheo_real y, rheo_real z);
 void rheo__account_apply(const rheo__state *s, uint32_t entry, rheo_source source, rheo_real by, uint32_t other);
 void rheo__account_scale(const rheo__state *s, uint32_t entry, rheo_real by);
+/* Adds to a value of the field what the lines of the stage run so far lack of `to`, bit for bit. */
+void rheo__account_add_rest(const rheo__state *s, rheo__field_id field, rheo_source source, const rheo_real to[3]);
 /* A sum begins. */
 static inline void rheo__account_begin(const rheo__state *s, uint32_t sum)
 {

@@ -101,6 +101,7 @@ typedef struct pair_values {
     rheo__lanes3 u, grad;
     rheo__lanes temperatures; /* T_i - T_j */
     rheo__pair_state state;
+    RHEO__IN_ACCOUNT(const uint32_t *partner;)
 } pair_values;
 
 /* First loop: loads the partners of an entry, number k of its row. Sums the second moments. */
@@ -134,6 +135,7 @@ RHEO__FOR_EACH_CASE void begin_pair(pair_values *pair, sums *sum, rheo__pair_cou
         rheo__lanes_put(scratch(rows, OFFSET_Z, k), 0, x.z);
         rheo__lanes_put(scratch(rows, BY_STRETCHING, k), 0, by * (inverse * sum_of_densities));
     }
+    RHEO__IN_ACCOUNT(pair->partner = rows->partner + entry);
     pair->u = u;
     pair->temperatures = own->point.more_w - other.more_w;
     if (needed.acceleration)
@@ -162,6 +164,8 @@ RHEO__FOR_EACH_CASE void end_pair(const pair_values *pair, sums *sum, const part
         rheo__lanes3_add(&sum->temperature, pair->temperatures, grad);
     if (needed.acceleration) {
         const rheo__lanes push = rheo__pair_push(&pair->state, own->point.w, of->pressure, needed.artificial);
+        RHEO__IN_ACCOUNT(rheo__row_adds(&of->keeper, RHEO__SUM_acceleration, RHEO_SOURCE_PRESSURE, pair->partner,
+                                        rheo__lanes3_times(push, pair->state.x)));
         rheo__lanes3_add(&sum->acceleration, push, pair->state.x);
     }
 }
@@ -181,6 +185,8 @@ RHEO__FOR_EACH_CASE void add_rows(sums *to, const rheo__melting *m, rheo__gradie
     rheo__pair_counts counts = {0};
     const size_t bonds = needed.velocity ? m->bonds.start[block + 1] - m->bonds.start[block] : 0,
                  count = m->rows.start[block + 1] - m->rows.start[block];
+    RHEO__IN_ACCOUNT(with.keeper = rheo__row_keeper(of->state, m, block * RHEO__BLOCK_ROWS + first));
+    RHEO__IN_ACCOUNT(rheo__row_begins(&with.keeper, RHEO__SUM_acceleration));
     size_t entry = (size_t)m->rows.start[block] * RHEO__BLOCK_ROWS + first;
     for (size_t k = 0; k < count; k += TOGETHER) {
         pair_values pair[TOGETHER];
@@ -413,6 +419,7 @@ rheo_result RHEO__VARIANT(stage_gradients)(rheo__state *s, void *context)
     (void)s;
     rheo__melting *m = context;
     rheo__gradients of = RHEO__VARIANT(begin_gradients)(m, false, true, NULL);
+    RHEO__IN_ACCOUNT(of.state = s);
     for (uint32_t block = 0; block < m->rows.blocks; block++)
         RHEO__VARIANT(find_gradients)(m, &of, block);
     return RHEO_OK;

@@ -17,6 +17,7 @@ typedef struct rheo__gradients {
     bool finds_kernels; /* also in the loop over pairs */
     rheo__kernels kernels;
     uint32_t contact; /* first contact of the next block */
+    RHEO__IN_ACCOUNT(const rheo__state *state; rheo__keeper keeper;)
 } rheo__gradients;
 
 /* Copies densities, velocities and temperatures to m->point. */

@@ -1,16 +1,34 @@
 /* Stage integration, docs/melting.md (9): integrates the rates to densities, temperatures and positions. */
+#include "core/account.h"
 #include "melting/melting.h"
 
 static void integrate_heat(rheo__state *s, rheo__melting *m)
 {
     const rheo_real by = m->substep * (rheo_real)m->def->melting.diffusivity;
+    if (rheo__has_account(s))
+        rheo__account_apply(s, RHEO__FIELD_temperature, RHEO_SOURCE_SUM, by, RHEO__SUM_heat_rate);
     for (uint32_t i = 0; i < m->pairs.rows; i++)
         m->temperature[i] = s->temperature[m->pairs.id_of[i]] += by * m->heat_rate[i];
+}
+
+/* The account of the motion of a particle that moves with velocity v. */
+static void keep_motion(const rheo__state *s, const rheo__melting *m, const rheo_real v[3], bool in_place,
+                        bool continuity)
+{
+    rheo__account_set(s, RHEO__SUM_motion, RHEO_SOURCE_VELOCITY, 0, v[0], v[1], v[2]);
+    rheo__account_apply(s, RHEO__SUM_motion, RHEO_SOURCE_SUM, 1, RHEO__SUM_drift);
+    rheo__account_apply(s, RHEO__FIELD_position, RHEO_SOURCE_SUM, m->substep, RHEO__SUM_motion);
+    if (in_place)
+        rheo__account_apply(s, RHEO__FIELD_velocity, RHEO_SOURCE_SUM, 1, RHEO__SUM_drift);
+    if (continuity)
+        rheo__account_apply(s, RHEO__FIELD_density, RHEO_SOURCE_SUM, m->substep, RHEO__SUM_density_rate);
 }
 
 static void integrate_motion(rheo__state *s, rheo__melting *m)
 {
     const bool in_place = m->def->paper.xsph, continuity = m->def->melting.density == RHEO_DENSITY_CONTINUITY;
+    if (rheo__has_account(s) && s->account->id < s->particles)
+        keep_motion(s, m, s->velocity + 3 * (size_t)s->account->id, in_place, continuity);
     for (uint32_t i = 0; i < m->pairs.rows; i++) {
         const uint32_t id = m->pairs.id_of[i];
         rheo_real *x = s->position + 3 * (size_t)id, *v = s->velocity + 3 * (size_t)id;

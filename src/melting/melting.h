@@ -226,6 +226,25 @@ static inline bool rheo__is_no_slip(const rheo__melting *m, const rheo__contact 
 {
     return !contact->detached && m->def->melting.wall == RHEO_WALL_NO_SLIP;
 }
+/* block = along (1 - n n^T) + normal n n^T */
+static inline void rheo__wall_block(const rheo_real n[3], rheo_real along, rheo_real normal, rheo_real block[6])
+{
+    const rheo_real more = normal - along;
+    block[0] = along + more * n[0] * n[0];
+    block[1] = along + more * n[1] * n[1];
+    block[2] = along + more * n[2] * n[2];
+    block[3] = more * n[0] * n[1];
+    block[4] = more * n[0] * n[2];
+    block[5] = more * n[1] * n[2];
+}
+/* dt K of a particle and a wall, pairwise (viscous_operator.c). Stage viscosity has set m->point. */
+static inline void rheo__contact_block(const rheo__melting *m, const rheo__contact *contact, rheo_real block[6])
+{
+    const rheo_real scale = m->substep * (m->point[contact->rank].more.y * m->viscous_factor[contact->rank]) *
+                            rheo__inverse_wall_distance(m, contact);
+    rheo__wall_block(m->planes->plane[contact->wall].normal, scale * contact->integral.along,
+                     scale * contact->integral.normal, block);
+}
 /* Derivative across a wall of a velocity that is mirrored there, over that velocity, 1/L. */
 static inline rheo_real rheo__wall_rate(const rheo__melting *m, const rheo__contact *contact)
 {

@@ -12,7 +12,7 @@
 #include "melting/gradients.h"
 
 /* Pushes coinciding particles apart, along a direction that depends on their ids. */
-static void separate_coinciding(rheo__melting *m, const rheo__pressure *c)
+static void separate_coinciding(const rheo__state *s, rheo__melting *m, const rheo__pressure *c)
 {
     for (uint32_t i = 0; i < m->pairs.rows; i++)
         for (uint32_t k = 0; k < m->rows.length[i]; k++) {
@@ -26,6 +26,11 @@ static void separate_coinciding(rheo__melting *m, const rheo__pressure *c)
             rheo_real direction[3];
             rheo__part_direction(m->pairs.id_of[i], m->pairs.id_of[j], direction);
             rheo__point *a = &m->acceleration[i], *b = &m->acceleration[j];
+            rheo__rank_adds(s, m, i, RHEO__SUM_acceleration, RHEO_SOURCE_PARTING, m->pairs.id_of[j],
+                            -(c->repulsion * direction[0]), -(c->repulsion * direction[1]),
+                            -(c->repulsion * direction[2]));
+            rheo__rank_adds(s, m, j, RHEO__SUM_acceleration, RHEO_SOURCE_PARTING, m->pairs.id_of[i],
+                            c->repulsion * direction[0], c->repulsion * direction[1], c->repulsion * direction[2]);
             a->x -= c->repulsion * direction[0];
             a->y -= c->repulsion * direction[1];
             a->z -= c->repulsion * direction[2];
@@ -40,7 +45,7 @@ static void separate_coinciding(rheo__melting *m, const rheo__pressure *c)
  * continued there. Without this, a pressure that grows downwards carries less than the weight of fluid at an upright
  * wall, and the fluid sinks along it for ever.
  */
-static void complete_along_walls(rheo__melting *m)
+static void complete_along_walls(const rheo__state *s, rheo__melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo__contact *contact = &m->contact[k];
@@ -48,6 +53,8 @@ static void complete_along_walls(rheo__melting *m)
         rheo__point *a = &m->acceleration[contact->rank];
         const rheo_real normal = n[0] * a->x + n[1] * a->y + n[2] * a->z;
         const rheo_real more = contact->integral.weight / (1 - contact->integral.weight);
+        rheo__rank_adds(s, m, contact->rank, RHEO__SUM_acceleration, RHEO_SOURCE_WALL, contact->wall,
+                        more * (a->x - normal * n[0]), more * (a->y - normal * n[1]), more * (a->z - normal * n[2]));
         a->x += more * (a->x - normal * n[0]);
         a->y += more * (a->y - normal * n[1]);
         a->z += more * (a->z - normal * n[2]);
@@ -77,7 +84,7 @@ static void find_wall_pressures(rheo__melting *m, const rheo__pressure *c)
 }
 
 /* Walls also repel as a mirrored particle would. */
-static void press_walls(rheo__melting *m, const rheo__pressure *c)
+static void press_walls(const rheo__state *s, rheo__melting *m, const rheo__pressure *c)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo__contact *contact = &m->contact[k];
@@ -85,6 +92,8 @@ static void press_walls(rheo__melting *m, const rheo__pressure *c)
         const rheo_real gap = 2 * rheo__max(contact->distance, 0);
         const rheo_real push = contact->push + rheo__max(c->repulsion * (1 - gap * c->inverse_range), 0);
         rheo__point *a = &m->acceleration[contact->rank];
+        rheo__rank_adds(s, m, contact->rank, RHEO__SUM_acceleration, RHEO_SOURCE_WALL, contact->wall, push * n[0],
+                        push * n[1], push * n[2]);
         a->x += push * n[0];
         a->y += push * n[1];
         a->z += push * n[2];
@@ -112,17 +121,21 @@ rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
         .printed = def->paper.artificial_viscosity};
     const bool shear = rheo__needs_shear_rate(m), heat = m->heat && rheo__corrects_heat(def);
     rheo__gradients gradients = RHEO__VARIANT(begin_gradients)(m, shear, heat, &c);
+    RHEO__IN_ACCOUNT(gradients.state = s);
     find_wall_pressures(m, &c);
     for (uint32_t block = 0; block < m->rows.blocks; block++)
         RHEO__VARIANT(find_gradients)(m, &gradients, block);
     if (gradients.finds_kernels)
         rheo__kernels_end(m, &gradients.kernels);
     if (m->coinciding)
-        separate_coinciding(m, &c);
-    complete_along_walls(m); /* before press_walls(): completes fluid sums only */
-    press_walls(m, &c);
+        separate_coinciding(s, m, &c);
+    complete_along_walls(s, m); /* before press_walls(): completes fluid sums only */
+    press_walls(s, m, &c);
     for (uint32_t i = 0; i < s->particles; i++) {
         const rheo__point a = m->acceleration[i], v = m->velocity[i];
+        rheo__rank_adds(s, m, i, RHEO__SUM_acceleration, RHEO_SOURCE_GRAVITY, 0, c.gravity[0], c.gravity[1],
+                        c.gravity[2]);
+        rheo__rank_applies(s, m, i, RHEO__FIELD_velocity, m->substep, RHEO__SUM_acceleration);
         m->velocity_before[i] = v;
         m->velocity[i] =
             (rheo__point){v.x + m->substep * (a.x + c.gravity[0]), v.y + m->substep * (a.y + c.gravity[1]),

@@ -46,7 +46,8 @@ static inline rheo__lanes drift_scale(const rheo__melting *m, const constants *c
     return by * c->epsilon / rheo__lanes_max(share * (1 / MOST_SHARE), rheo__lanes_all(1));
 }
 
-RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, terms needed)
+RHEO__FOR_EACH_CASE void add_rows(const rheo__state *s, rheo__melting *m, const constants *c, uint32_t block,
+                                  uint32_t first, terms needed)
 {
     const rheo__rows *rows = &m->rows;
     const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
@@ -57,6 +58,10 @@ RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t
     const rheo__lanes3 t = needed.heat ? rheo__lanes_load(m->heat_points, own) : rheo__lanes3_zero();
     rheo__lanes divergence = {0}, heat = {0}, share = {0};
     rheo__lanes3 drift = rheo__lanes3_zero();
+    const rheo__keeper keeper = rheo__row_keeper(s, m, rank);
+    rheo__row_begins(&keeper, RHEO__SUM_density_rate);
+    rheo__row_begins(&keeper, RHEO__SUM_drift);
+    rheo__row_begins(&keeper, RHEO__SUM_heat_rate);
     RHEO__EACH_ENTRY(rows, block, first, entry)
     {
         const uint32_t *partner = rows->partner + entry;
@@ -76,20 +81,30 @@ RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t
             drift.x -= by * u.x;
             drift.y -= by * u.y;
             drift.z -= by * u.z;
+            rheo__row_adds_number(&keeper, RHEO__SUM_density_rate, RHEO_SOURCE_FLOW, partner,
+                                  tilt * rheo__lanes3_dot(u, x));
+
+            rheo__row_adds(&keeper, RHEO__SUM_drift, RHEO_SOURCE_DRIFT, partner, rheo__lanes3_times(-by, u));
         }
         if (needed.heat) {
             const rheo__lanes3 other = rheo__lanes_load_at(m->heat_points, partner);
             const rheo__lanes difference = t.x - other.x, r2 = rheo__lanes3_dot(x, x);
             if (needed.corrected) {
+                rheo__row_adds_number(&keeper, RHEO__SUM_heat_rate, RHEO_SOURCE_HEAT, partner,
+                                      by_sum * difference * (slope * (t.y + other.y)));
                 heat += by_sum * difference * (slope * (t.y + other.y));
             } else if (needed.second) {
                 /* The Laplacian of W is second_scale (w'' + 2 w'/q), weighted by 1/rho_j. */
                 const rheo__lanes w2 =
                     rheo__lanes_quintic_second(rheo__lanes_sqrt(r2) * c->inverse_h) * c->second_scale;
                 const rheo__lanes laplacian = rheo__lanes_keep(slope < 0, w2 + 2 * slope);
+                rheo__row_adds_number(&keeper, RHEO__SUM_heat_rate, RHEO_SOURCE_HEAT, partner,
+                                      -(difference * laplacian / (4 * rho_j)));
                 heat -= difference * laplacian / (4 * rho_j);
             } else {
                 const rheo__lanes weight = needed.printed_weight ? by_sum * (rho_i / rho_j) : by_sum;
+                rheo__row_adds_number(&keeper, RHEO__SUM_heat_rate, RHEO_SOURCE_HEAT, partner,
+                                      weight * difference * (slope * r2) / (r2 + c->softening));
                 heat += weight * difference * (slope * r2) / (r2 + c->softening);
             }
         }
@@ -97,17 +112,22 @@ RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t
     if (needed.motion) {
         rheo__lanes_put(m->density_rate, rank, rho_i * (c->mass * divergence));
         const rheo__lanes by = drift_scale(m, c, block, first, rho_i, share);
+        rheo__row_scales(&keeper, RHEO__SUM_density_rate, c->mass);
+        rheo__row_scales(&keeper, RHEO__SUM_density_rate, RHEO__LANE(rho_i, 0));
+        rheo__row_scales(&keeper, RHEO__SUM_drift, RHEO__LANE(by, 0));
         rheo__lanes_store(m->drift, own, (rheo__lanes3){by * drift.x, by * drift.y, by * drift.z});
     }
-    if (needed.heat)
+    if (needed.heat) {
+        rheo__row_scales(&keeper, RHEO__SUM_heat_rate, (needed.corrected ? 2 : 4) * c->mass);
         rheo__lanes_put(m->heat_rate, rank, (needed.corrected ? 2 : 4) * c->mass * heat);
+    }
 }
 
 /*
  * The drift moves particles, so it changes densities. Without this term an integrated density diverges from that of
  * the particles (measured in docs/melting.md).
  */
-static void compress_by_drift(rheo__melting *m, const constants *c)
+static void compress_by_drift(const rheo__state *s, rheo__melting *m, const constants *c)
 {
     const rheo__rows *rows = &m->rows;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
@@ -121,33 +141,43 @@ static void compress_by_drift(rheo__melting *m, const constants *c)
         rheo__lanes rho, divergence = rheo__lanes_all(0);
         rheo__lanes_load_w(m->velocity, own, &rho);
         const rheo__wide_lanes point = rheo__lanes_load_wide_row(m->point + rank);
+        const rheo__keeper keeper = rheo__row_keeper(s, m, rank);
+        rheo__row_begins(&keeper, RHEO__SUM_drift_rate);
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
             const rheo__wide_lanes pair = rheo__lanes_minus_wide_at(&point, m->point, rows->partner + entry);
             rheo__fetch_partners(rows->partner, entry);
             rheo__fetch_values(rows->slope, entry);
+
+            rheo__row_adds_number(&keeper, RHEO__SUM_drift_rate, RHEO_SOURCE_DRIFT, rows->partner + entry,
+                                  rheo__lanes_at(rows->slope, entry) * pair.w * rheo__lanes3_dot(pair.more, pair.at));
             divergence += rheo__lanes_at(rows->slope, entry) * pair.w * rheo__lanes3_dot(pair.more, pair.at);
         }
+        rheo__row_scales(&keeper, RHEO__SUM_drift_rate, c->mass);
+        rheo__row_scales(&keeper, RHEO__SUM_drift_rate, RHEO__LANE(rho, 0));
+        rheo__row_applies(&keeper, RHEO__SUM_density_rate, 1, RHEO__SUM_drift_rate);
         rheo__lanes_put(m->density_rate, rank, rheo__lanes_at(m->density_rate, rank) + rho * (c->mass * divergence));
     }
 }
 
 /* Motion towards a wall compresses, motion away from it expands, except for particles that fall off a ceiling. */
-static void compress_at_walls(rheo__melting *m)
+static void compress_at_walls(const rheo__state *s, rheo__melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo__contact *contact = &m->contact[k];
         const rheo_real *n = m->planes->plane[contact->wall].normal;
         const rheo__point *v = &m->velocity[contact->rank], *u = &m->drift[contact->rank];
         const rheo_real away = n[0] * (v->x + u->x) + n[1] * (v->y + u->y) + n[2] * (v->z + u->z);
-        if (!(contact->detached && away > 0))
+        if (!(contact->detached && away > 0)) {
+            rheo__rank_adds(s, m, contact->rank, RHEO__SUM_density_rate, RHEO_SOURCE_WALL, contact->wall,
+                            -(v->w * away * contact->integral.gradient), 0, 0);
             m->density_rate[contact->rank] -= v->w * away * contact->integral.gradient;
+        }
     }
 }
 
 rheo_result RHEO__VARIANT(stage_rates)(rheo__state *s, void *context)
 {
-    (void)s;
     rheo__melting *m = context;
     const rheo_world_def *def = m->def;
     const double h = m->smoothing_length;
@@ -173,15 +203,15 @@ rheo_result RHEO__VARIANT(stage_rates)(rheo__state *s, void *context)
     {
         /* Separate calls, so that each is compiled for its case. */
         if (needed.motion && needed.heat && needed.corrected)
-            add_rows(m, &c, block, first, (terms){.motion = true, .heat = true, .corrected = true});
+            add_rows(s, m, &c, block, first, (terms){.motion = true, .heat = true, .corrected = true});
         else if (needed.motion && !needed.heat)
-            add_rows(m, &c, block, first, (terms){.motion = true});
+            add_rows(s, m, &c, block, first, (terms){.motion = true});
         else
-            add_rows(m, &c, block, first, needed);
+            add_rows(s, m, &c, block, first, needed);
     }
     if (needed.motion && def->melting.xsph > 0 && !def->paper.xsph)
-        compress_by_drift(m, &c);
+        compress_by_drift(s, m, &c);
     if (needed.motion)
-        compress_at_walls(m);
+        compress_at_walls(s, m);
     return RHEO_OK;
 }

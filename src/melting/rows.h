@@ -2,7 +2,7 @@
 #ifndef RHEO__MELTING_ROWS_H
 #define RHEO__MELTING_ROWS_H
 
-#include "melting/melting.h"
+#include "melting/accounts.h"
 #include "space/row_blocks.h"
 
 enum { RHEO__AHEAD = 16 * RHEO__BLOCK_ROWS };

@@ -7,6 +7,7 @@
  *
  * v0 and v* are the velocities before and after stage momentum; K is in viscous_operator.c.
  */
+#include "core/account.h"
 #include "melting/rheology.h"
 #include "melting/rows.h"
 #include "melting/viscous_operator.h"
@@ -74,6 +75,11 @@ rheo_result RHEO__VARIANT(stage_viscous)(rheo__state *s, void *context)
         *s->iterations += (uint64_t)iterations;
     } else {
         solve_explicitly(m);
+    }
+    if (RHEO__ACCOUNTS_HERE && rheo__has_account(s)) {
+        if (implicit) /* for m->stress of the solution */
+            RHEO__VARIANT(apply_viscous_operator)(m, m->cg.x, m->cg.Ap, true);
+        rheo__account_viscosity(s, m, implicit ? m->cg.x : m->cg.p);
     }
     for (uint32_t i = 0; i < s->particles; i++)
         m->velocity[i] = (rheo__point){m->cg.x[i].x, m->cg.x[i].y, m->cg.x[i].z, m->velocity[i].w};

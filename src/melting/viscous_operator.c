@@ -13,27 +13,6 @@
 
 /* ---- Walls ---- */
 
-/* block = along (1 - n n^T) + normal n n^T */
-static inline void wall_block(const rheo_real n[3], rheo_real along, rheo_real normal, rheo_real block[6])
-{
-    const rheo_real more = normal - along;
-    block[0] = along + more * n[0] * n[0];
-    block[1] = along + more * n[1] * n[1];
-    block[2] = along + more * n[2] * n[2];
-    block[3] = more * n[0] * n[1];
-    block[4] = more * n[0] * n[2];
-    block[5] = more * n[1] * n[2];
-}
-
-/* dt K of a particle and a wall, pairwise. */
-static inline void contact_block(const rheo__melting *m, const rheo__contact *contact, rheo_real block[6])
-{
-    const rheo_real scale = m->substep * (m->point[contact->rank].more.y * m->viscous_factor[contact->rank]) *
-                            rheo__inverse_wall_distance(m, contact);
-    wall_block(m->planes->plane[contact->wall].normal, scale * contact->integral.along,
-               scale * contact->integral.normal, block);
-}
-
 static void add_walls_to_diagonal(rheo__melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
@@ -41,7 +20,7 @@ static void add_walls_to_diagonal(rheo__melting *m)
         if (!rheo__is_no_slip(m, contact))
             continue;
         rheo_real block[6];
-        contact_block(m, contact, block);
+        rheo__contact_block(m, contact, block);
         for (int i = 0; i < 6; i++)
             m->cg.block[i][contact->rank] += block[i];
     }
@@ -57,7 +36,7 @@ static void apply_walls(const rheo__melting *m, const rheo__point *v, rheo__poin
         const rheo_real *wall = m->wall_velocity[contact->wall], by = walls_move ? 1 : 0;
         const rheo__point *own = &v[contact->rank];
         rheo_real b[6];
-        contact_block(m, contact, b);
+        rheo__contact_block(m, contact, b);
         const rheo_real ux = own->x - by * wall[0], uy = own->y - by * wall[1], uz = own->z - by * wall[2];
         rheo__point *to = &Av[contact->rank];
         to->x += b[0] * ux + b[3] * uy + b[4] * uz;

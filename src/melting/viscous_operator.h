@@ -22,6 +22,12 @@ void RHEO__VARIANT(apply_viscous_operator)(rheo__melting *m, const rheo__point *
  */
 int64_t RHEO__VARIANT(conjugate_gradient)(rheo__state *s, rheo__melting *m);
 
+/*
+ * The account (core/account.h) of stage viscosity, which has changed v* to m->cg.x: what A takes from v for each pair and
+ * wall (viscous_account.c). Nested, m->stress is that of v.
+ */
+void rheo__account_viscosity(const rheo__state *s, const rheo__melting *m, const rheo__point *v);
+
 /* a + by b; w becomes 0. */
 static inline rheo__point rheo__point_add(rheo__point a, rheo_real by, rheo__point b)
 {

@@ -68,8 +68,11 @@ typedef struct contributions {
     bool no_memory;
 } contributions;
 
+/* Puts a contribution. Those with factor 0 add nothing, such as all of XSPH when it is off. */
 static void put(contributions *all, const rheo_contribution *one)
 {
+    if (!one->sets && one->factor == 0)
+        return;
     void *memory = all->of;
     if (!rheo__grow(&all->allocator, &memory, &all->capacity, all->count + 1, all->count, sizeof *all->of)) {
         all->no_memory = true;
@@ -92,24 +95,36 @@ static rheo_contribution contribution_of(const rheo__account_line *line, double 
     return c;
 }
 
+/* The product of the factors that lines [first, end) scale a sum by. */
+static double scale_of(const rheo__account *a, uint32_t sum, size_t first, size_t end)
+{
+    double scale = 1;
+    for (size_t i = first; i < end; i++)
+        if (a->line[i].entry == sum && a->line[i].operation == RHEO__ACCOUNT_SCALE)
+            scale *= (double)a->line[i].value[0];
+    return scale;
+}
+
 /* Puts what made a sum before line `end`, which the field takes `factor` of. */
 static void put_sum(contributions *all, const rheo__account *a, uint32_t sum, size_t end, double factor)
 {
     size_t first = end;
-    while (first > 0 && !(a->line[first - 1].entry == sum && a->line[first - 1].operation == RHEO__ACCOUNT_SET))
+    while (first > 0) {
         first--;
-    double scale = 1; /* by the lines that follow */
-    for (size_t i = first; i < end; i++)
-        if (a->line[i].entry == sum && a->line[i].operation == RHEO__ACCOUNT_SCALE)
-            scale *= (double)a->line[i].value[0];
+        if (a->line[first].entry == sum && a->line[first].operation == RHEO__ACCOUNT_SET)
+            break;
+    }
+    double scale = scale_of(a, sum, first, end); /* by the lines that follow */
     for (size_t i = first; i < end; i++) {
         const rheo__account_line *line = &a->line[i];
         if (line->entry != sum)
             continue;
         const rheo_contribution c = contribution_of(line, factor * scale);
         switch ((rheo__account_operation)line->operation) {
-        case RHEO__ACCOUNT_SET:
-            break; /* not reached: the search ended behind it */
+        case RHEO__ACCOUNT_SET: /* a sum begins, with 0 or with a value */
+            if (c.source != RHEO_SOURCE_NONE)
+                put(all, &c);
+            break;
         case RHEO__ACCOUNT_ADD:
             put(all, &c);
             break;
@@ -117,7 +132,7 @@ static void put_sum(contributions *all, const rheo__account *a, uint32_t sum, si
             put_sum(all, a, line->other, i, factor * scale * (double)line->value[0]);
             break;
         case RHEO__ACCOUNT_SCALE:
-            scale /= (double)line->value[0];
+            scale = scale_of(a, sum, i + 1, end); /* not a quotient: the factor may be 0 */
             break;
         }
     }
