@@ -190,7 +190,8 @@ struct rheo__account;
  * Makes a step again, or a step that failed, and keeps the account of its particle (core/account.h). Then the player is at the
  * end of the step, or at that of the step before.
  */
-rheo_result rheo__player_step_account(rheo_player *player, uint64_t step, struct rheo__account *account, rheo_error *error);
+rheo_result rheo__player_step_account(rheo_player *player, uint64_t step, struct rheo__account *account,
+                                      rheo_error *error);
 
 /* ---- Commands in a file (record/commands.c) ---- */
 

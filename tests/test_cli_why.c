@@ -1,0 +1,163 @@
+/* `rheolog why` and `rheolog why-not` from outside, and the chain of causes of the library. */
+#include <math.h>
+
+#include "cli_support.h"
+
+static void why_has_its_keys(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"step",    "stage",   "field",  "id",     "before",  "after",
+                                       "exact",   "count",   "source", "item",   "item_id", "contributions",
+                                       "sum",     "value",   "factor", "change", "sets",    "file",
+                                       "outcome", "changes", "reason", NULL};
+    static const char *const chain[] = {"chain", "largest", "not_finite", "end", "end_step", "why", NULL};
+    record("a.rlog");
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --json"));
+    assert_keys(out, keys);
+    assert_null(strstr(out, "\"chain\""));
+    assert_string_equal(err, "");
+    assert_in("{\"step\": 6, \"stage\": \"prediction@1\", \"field\": \"position\", \"id\": 20, \"before\": [", out);
+    assert_in("\"source\": \"velocity\", \"item\": null, \"item_id\": null, \"sum\": null, ", out);
+    assert_in("\n{\"file\": \"a.rlog\", \"outcome\": \"found\", \"changes\": ", out);
+    assert_null(strstr(out, "\"exact\": false"));
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --json --depth 3"));
+    assert_keys(out, chain);
+    assert_code(2, run("why a.rlog --step 60 --particle 20 --json"));
+    assert_in("\"outcome\": \"refused\", \"changes\": 0, \"reason\": \"a.rlog: there is no step 60 to look into",
+              out);
+}
+
+/* The number of lines that begin so. */
+static size_t lines_with(const char *begin)
+{
+    size_t count = 0;
+    for (const char *line = out; line && *line; line = strchr(line, '\n'), line = line ? line + 1 : NULL)
+        count += strncmp(line, begin, strlen(begin)) == 0;
+    return count;
+}
+
+static void the_largest_is_marked_and_the_rest_counted(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --stage forces@1 --top 2"));
+    assert_in("step 6, position of particle 20 (unit L):\nforces@1: (", out);
+    assert_in(") -> (", out);
+    assert_int_equal(lines_with("  * "), 1);
+    assert_int_equal(lines_with("    "), 2);
+    assert_in("\n    and ", out);
+    assert_in(" more, together ", out);
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --stage forces@1 --all"));
+    assert_int_equal(lines_with("  * "), 1);
+    assert_true(lines_with("    ") > 5);
+    assert_null(strstr(out, " more, together "));
+    assert_in("pressure of ", out);
+    assert_in("spring ", out);
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --field velocity --stage gravity@1"));
+    assert_in("\n  * ", out);
+    assert_in(" gravity ", out);
+    assert_in("(unit L/T):\n", out);
+}
+
+/* What is left out of the lines is not left out of the sums: those of --all and of the rest agree. */
+static void the_contributions_give_the_change(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --stage forces@1 --all --json"));
+    const char *at = out;
+    double before[3], after[3], sum[3] = {0};
+    at = strstr(at, "\"before\": [") + 11;
+    for (int i = 0; i < 3; i++, at++)
+        before[i] = strtod(at, (char **)&at);
+    at = strstr(at, "\"after\": [") + 10;
+    for (int i = 0; i < 3; i++, at++)
+        after[i] = strtod(at, (char **)&at);
+    size_t count = 0;
+    while ((at = strstr(at, "\"change\": [")) != NULL) {
+        at += 11;
+        for (int i = 0; i < 3; i++, at++)
+            sum[i] += strtod(at, (char **)&at);
+        count++;
+    }
+    assert_true(count > 5);
+    for (int i = 0; i < 3; i++)
+        assert_true(fabs(after[i] - before[i] - sum[i]) < 1e-5);
+}
+
+static void a_chain_says_why_it_ends(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --depth 2"));
+    assert_in("\ncauses, each from the largest contribution to the one before:\n  step 6, ", out);
+    assert_int_equal(lines_with("  step "), 2);
+    assert_in("\n  ends: 2 links were wanted\n", out);
+    assert_code(0, run("why a.rlog --step 1 --particle 20 --depth 100"));
+    assert_in("\n  ends: the recording begins with the state of step 0\n", out);
+    assert_code(0, run("run --from a.rlog@3 --steps 3 --set gravity=[0,-50,0] -o b.rlog --force --quiet"));
+    assert_code(0, run("why b.rlog --step 6 --particle 20 --depth 100"));
+    assert_in("\n  ends: before step 4, gravity was set to [0,-50,0]\n", out);
+}
+
+/* Gravity is so large that distances overflow: the step fails, and NaN is born in the forces. */
+static void not_a_number_is_followed_to_its_birth(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(1, run("run --from a.rlog@4 --steps 2 --set fluid.stiffness=1e30 -o bad.rlog --force --quiet"));
+    assert_code(1, run("doctor bad.rlog --json"));
+    assert_in("\"reason\": \"not-finite\"", out);
+    assert_code(0, run("why bad.rlog --step 5 --particle 0"));
+    assert_in("not finite from here on\n", out);
+    assert_in(": position of particle 0 not finite, born, with pressure of ", out);
+    assert_in("\n  ends: born here: the values that ", out);
+    assert_code(0, run("why bad.rlog --step 5 --particle 0 --json"));
+    assert_in("\"not_finite\": \"born\", ", out);
+    assert_in("\"end\": \"born\", ", out);
+}
+
+static void bad_usage_is_refused(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(2, run("why a.rlog --step 3"));
+    assert_one_message("needs --step S and --particle ID");
+    assert_code(2, run("why --step 3 --particle 4"));
+    assert_one_message("needs one recording");
+    assert_code(2, run("why a.rlog --step 3 --particle 4 --top 3 --all"));
+    assert_one_message("one of --top and --all");
+    assert_code(2, run("why a.rlog --step 3 --particle 4 --depth 0"));
+    assert_one_message("a number from 1 to 1000");
+    assert_code(2, run("why a.rlog --step 0 --particle 4"));
+    assert_one_message("there is no step 0 to look into; the recording has 1 to 8");
+    assert_code(2, run("why a.rlog --step 3 --particle 400000"));
+    assert_one_message("there is no particle 400000");
+    assert_code(2, run("why a.rlog --step 3 --particle 4 --stage heat"));
+    assert_one_message("there is no stage \"heat\"");
+    assert_code(2, run("why a.rlog --step 3 --particle 4 --field heat"));
+    assert_one_message("is no field of a particle that stages add to");
+}
+
+static void a_step_that_does_not_repeat_is_named(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    falsify_step("a.rlog", "other.rlog", 5);
+    assert_code(1, run("why other.rlog --step 6 --particle 4"));
+    assert_in("step 5", err);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(why_has_its_keys),
+        cmocka_unit_test(the_largest_is_marked_and_the_rest_counted),
+        cmocka_unit_test(the_contributions_give_the_change),
+        cmocka_unit_test(a_chain_says_why_it_ends),
+        cmocka_unit_test(not_a_number_is_followed_to_its_birth),
+        cmocka_unit_test(bad_usage_is_refused),
+        cmocka_unit_test(a_step_that_does_not_repeat_is_named),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
