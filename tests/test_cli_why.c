@@ -148,6 +148,83 @@ static void a_step_that_does_not_repeat_is_named(void **state)
     assert_in("step 5", err);
 }
 
+/* ---- why-not ---- */
+
+/* The distance of a pair at the end of a step, from inspect's positions, in supports of 4. */
+static double distance_at(int step, uint32_t a, uint32_t b)
+{
+    rheo_world *world = checkpoint_at("a.rlog", step);
+    rheo_particle_state x, y;
+    assert_int_equal(rheo_world_particle(world, a, &x, NULL), RHEO_OK);
+    assert_int_equal(rheo_world_particle(world, b, &y, NULL), RHEO_OK);
+    double r2 = 0;
+    for (int axis = 0; axis < 3; axis++)
+        r2 += (x.position[axis] - y.position[axis]) * (x.position[axis] - y.position[axis]);
+    rheo_world_destroy(world);
+    return sqrt(r2);
+}
+
+/* The farthest and the nearest particle of particle 20 at the end of step 5. */
+static void find_pairs(uint32_t *far, uint32_t *near)
+{
+    rheo_world *world = checkpoint_at("a.rlog", 5);
+    const uint32_t count = rheo_world_particle_count(world);
+    rheo_world_destroy(world);
+    double most = 0, least = 1e9;
+    for (uint32_t id = 0; id < count && id < 40; id++) {
+        const double r = id == 20 ? -1 : distance_at(5, 20, id);
+        if (r > most) {
+            most = r;
+            *far = id;
+        }
+        if (r > 0 && r < least) {
+            least = r;
+            *near = id;
+        }
+    }
+    assert_true(most > 4 && least < 4);
+}
+
+static void why_not_tells_distances(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {
+        "file",    "outcome",   "id",     "other_id",      "support",    "distance",     "nearest_step",
+        "nearest", "held_last", "across", "nearest_stage", "held_first", "first_looked", "last_looked",
+        "why",     "reason",    NULL};
+    uint32_t far = 0, near = 0;
+    record("a.rlog");
+    find_pairs(&far, &near);
+    assert_code(0, run("why-not a.rlog --step 5 --spring 20:%u --json", (unsigned)far));
+    assert_keys(out, keys);
+    assert_true(fabs(strtod(value_of("distance"), NULL) - distance_at(5, 20, far)) < 1e-6);
+    assert_code(0, run("why-not a.rlog --step 5 --spring 20:%u", (unsigned)far));
+    assert_in(" supports apart at the end of step 5, nearest in step ", out);
+    assert_in(", after densities@", out);
+    assert_in("; springs form below 1\n", out);
+    assert_code(0, run("why-not a.rlog --step 5 --pair %u:20 --list", (unsigned)far));
+    assert_int_equal(lines_with("       "), 9); /* steps 0 to 8 */
+    assert_in("; particles are neighbours below 1\n", out);
+    assert_code(1, run("why-not a.rlog --step 5 --spring 20:%u", (unsigned)near));
+    assert_in(", and have a spring\n", out);
+    assert_code(1, run("why-not a.rlog --step 5 --pair 20:%u", (unsigned)near));
+    assert_in(", and so are neighbours\n", out);
+}
+
+static void why_not_refuses_bad_usage(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(2, run("why-not a.rlog --step 5"));
+    assert_one_message("needs --step S, and --spring A:B or --pair A:B");
+    assert_code(2, run("why-not a.rlog --step 5 --spring 3"));
+    assert_one_message("needs two different ids");
+    assert_code(2, run("why-not a.rlog --step 9 --spring 3:4"));
+    assert_one_message("step");
+    assert_code(2, run("why-not a.rlog --step 5 --spring 3:400000"));
+    assert_one_message("there is no particle 400000 in step 5");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -158,6 +235,8 @@ int main(void)
         cmocka_unit_test(not_a_number_is_followed_to_its_birth),
         cmocka_unit_test(bad_usage_is_refused),
         cmocka_unit_test(a_step_that_does_not_repeat_is_named),
+        cmocka_unit_test(why_not_tells_distances),
+        cmocka_unit_test(why_not_refuses_bad_usage),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

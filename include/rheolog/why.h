@@ -186,6 +186,53 @@ RHEO_API rheo_result rheo_player_why_chain(rheo_player *player, uint64_t step, c
                                            const char *field, uint32_t depth, rheo_link_receiver *receiver,
                                            void *data, rheo_chain *chain, rheo_error *error);
 
+/* ---- What did not happen ---- */
+
+/** Two particles in a step. */
+typedef struct rheo_pair_step {
+    uint64_t step;
+    /** Both particles exist. */
+    bool exists;
+    /** At the end of the step, and the least of the stages that decide. Unit L. In periodic space to the nearest image. */
+    double distance, nearest;
+    /** That stage; "" if nothing decided in this step. */
+    char stage[48];
+    /** At the end of the step, there is a spring between them. */
+    bool spring;
+} rheo_pair_step;
+
+/** Is called for each step that is looked at; returns whether more are wanted. */
+typedef bool rheo_pair_receiver(void *data, const rheo_pair_step *step);
+
+/** Why two particles have no spring, or did not meet. */
+typedef struct rheo_why_not {
+    /** Steps that were looked at. */
+    uint64_t first, last;
+    /** What springs and neighbours are closer than. Unit L. */
+    double support;
+    /** There is a spring in the step that was asked about, or the particles are closer than the support at its end. */
+    bool holds;
+    /** The step that was asked about, and that with the least distance. */
+    rheo_pair_step at, nearest;
+    /** In one of the steps it holds; the first and the last of them. */
+    bool held;
+    uint64_t held_first, held_last;
+    /** In the step, the nearest image is across a border of periodic space. */
+    bool across;
+    /** The answer in one sentence. */
+    char why[512];
+} rheo_why_not;
+
+/**
+ * Tells why two particles have no spring in a step (`spring`), or did not come closer than the support. Looks at the steps from
+ * the keyframe before the step to the one after it, after each stage that makes springs, or else after each stage.
+ *
+ * RHEO_ERROR_ARGUMENT: no such step, no such particles in it, one particle, or no springs in the recording.
+ */
+RHEO_API rheo_result rheo_player_why_not(rheo_player *player, uint64_t step, uint64_t a, uint64_t b, bool spring,
+                                         rheo_pair_receiver *receiver, void *data, rheo_why_not *answer,
+                                         rheo_error *error);
+
 #ifdef __cplusplus
 }
 #endif
