@@ -1,4 +1,4 @@
-/* `rheolog why` and `rheolog why-not` from outside, and the chain of causes of the library. */
+/* `rheolog why` and `rheolog why-not` from outside, and what debug and doctor say by them. */
 #include <math.h>
 
 #include "cli_support.h"
@@ -92,7 +92,7 @@ static void a_chain_says_why_it_ends(void **state)
     assert_code(0, run("why a.rlog --step 6 --particle 20 --depth 2"));
     assert_in("\ncauses, each from the largest contribution to the one before:\n  step 6, ", out);
     assert_int_equal(lines_with("  step "), 2);
-    assert_in("\n  ends: 2 links were wanted\n", out);
+    assert_in("\n  ends: after 2 links, as asked\n", out);
     assert_code(0, run("why a.rlog --step 1 --particle 20 --depth 100"));
     assert_in("\n  ends: the recording begins with the state of step 0\n", out);
     assert_code(0, run("run --from a.rlog@3 --steps 3 --set gravity=[0,-50,0] -o b.rlog --force --quiet"));
@@ -150,39 +150,38 @@ static void a_step_that_does_not_repeat_is_named(void **state)
 
 /* ---- why-not ---- */
 
-/* The distance of a pair at the end of a step, from inspect's positions, in supports of 4. */
-static double distance_at(int step, uint32_t a, uint32_t b)
+/* The distance of two particles. */
+static double distance_of(const rheo_world *world, uint32_t a, uint32_t b)
 {
-    rheo_world *world = checkpoint_at("a.rlog", step);
     rheo_particle_state x, y;
+    double r2 = 0;
     assert_int_equal(rheo_world_particle(world, a, &x, NULL), RHEO_OK);
     assert_int_equal(rheo_world_particle(world, b, &y, NULL), RHEO_OK);
-    double r2 = 0;
     for (int axis = 0; axis < 3; axis++)
         r2 += (x.position[axis] - y.position[axis]) * (x.position[axis] - y.position[axis]);
-    rheo_world_destroy(world);
     return sqrt(r2);
 }
 
-/* The farthest and the nearest particle of particle 20 at the end of step 5. */
-static void find_pairs(uint32_t *far, uint32_t *near)
+/* Particles that are far from particle 20 and near it at the end of step 5; *distance: of the far one. */
+static void find_pairs(uint32_t *far, uint32_t *near, double *distance)
 {
     rheo_world *world = checkpoint_at("a.rlog", 5);
     const uint32_t count = rheo_world_particle_count(world);
-    rheo_world_destroy(world);
-    double most = 0, least = 1e9;
-    for (uint32_t id = 0; id < count && id < 40; id++) {
-        const double r = id == 20 ? -1 : distance_at(5, 20, id);
-        if (r > most) {
-            most = r;
+    double least = 4;
+    *distance = 0;
+    for (uint32_t id = 0; id < count; id++) {
+        const double r = id == 20 ? 4 : distance_of(world, 20, id);
+        if (r > *distance) {
+            *distance = r;
             *far = id;
         }
-        if (r > 0 && r < least) {
+        if (r < least) {
             least = r;
             *near = id;
         }
     }
-    assert_true(most > 4 && least < 4);
+    rheo_world_destroy(world);
+    assert_true(*distance > 5 && least < 3);
 }
 
 static void why_not_tells_distances(void **state)
@@ -193,11 +192,12 @@ static void why_not_tells_distances(void **state)
         "nearest", "held_last", "across", "nearest_stage", "held_first", "first_looked", "last_looked",
         "why",     "reason",    NULL};
     uint32_t far = 0, near = 0;
+    double distance;
     record("a.rlog");
-    find_pairs(&far, &near);
+    find_pairs(&far, &near, &distance);
     assert_code(0, run("why-not a.rlog --step 5 --spring 20:%u --json", (unsigned)far));
     assert_keys(out, keys);
-    assert_true(fabs(strtod(value_of("distance"), NULL) - distance_at(5, 20, far)) < 1e-6);
+    assert_true(fabs(strtod(value_of("distance"), NULL) - distance) < 1e-6);
     assert_code(0, run("why-not a.rlog --step 5 --spring 20:%u", (unsigned)far));
     assert_in(" supports apart at the end of step 5, nearest in step ", out);
     assert_in(", after densities@", out);
@@ -225,6 +225,80 @@ static void why_not_refuses_bad_usage(void **state)
     assert_one_message("there is no particle 400000 in step 5");
 }
 
+/* ---- The page ---- */
+
+/* What docs/debugging.md shows of `why` and `why-not` is what the program prints. */
+static void the_examples_of_the_page_are_true(void **state)
+{
+    (void)state;
+    static char page[1 << 18];
+    char path[4096], arguments[256], expected[4096];
+    size_t examples = 0;
+    if (sizeof(rheo_real) != sizeof(float))
+        skip(); /* the page is of a build for float */
+    snprintf(path, sizeof path, "%s/../../docs/debugging.md", getenv("SCENES"));
+    read_file(path, page, sizeof page);
+    run("run bowling-ball-small --set step=0.07 --set substeps=2 --steps 60 -o bad.rlog --force --quiet");
+    for (const char *at = page; (at = strstr(at, "\n$ rheolog why")) != NULL; examples++) {
+        at += strlen("\n$ rheolog ");
+        snprintf(arguments, sizeof arguments, "%.*s", (int)strcspn(at, "\n"), at);
+        at = strchr(at, '\n');
+        const char *fence = strstr(at, "\n```"), *next = strstr(at, "\n$ ");
+        const char *end = next && next < fence ? next : fence;
+        snprintf(expected, sizeof expected, "%.*s\n", (int)(end - at - 1), at + 1);
+        assert_code(0, run("%s", arguments));
+        assert_string_equal(out, expected);
+    }
+    assert_int_equal(examples, 4);
+    assert_code(1, run("doctor bad.rlog"));
+    const char *chain = strstr(page, "\n  rheolog why bad.rlog --step 18 --particle 3987 --depth 6\n");
+    assert_non_null(chain);
+    snprintf(expected, sizeof expected, "%.*s", (int)(strstr(chain, "```") - chain), chain);
+    assert_in(expected, out);
+}
+
+/* ---- debug, doctor ---- */
+
+static void debug_explains_the_step_that_led_here(void **state)
+{
+    (void)state;
+    static char why[1 << 16];
+    record("a.rlog");
+    const char *const commands = "goto 6\nwhy particle 20\ngoto 6 forces@2\nwhy particle 20 velocity 3\n";
+    write_file("look.txt", commands, strlen(commands));
+    assert_code(0, run("why a.rlog --step 6 --particle 20"));
+    snprintf(why, sizeof why, "(a 6) why particle 20\n%.60000s(a 6) goto", out);
+    assert_code(0, run("debug a.rlog -x look.txt"));
+    assert_in(why, out);
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --field velocity --depth 3 --stage forces@2"));
+    snprintf(why, sizeof why, "(a 6 forces@2) why particle 20 velocity 3\n%.60000s", out);
+    assert_code(0, run("debug a.rlog -x look.txt"));
+    assert_in(why, out);
+    write_file("look.txt", "why particle 20\n", 16);
+    assert_code(2, run("debug a.rlog -x look.txt"));
+    assert_in("step 0 is the first: no step led to it", err);
+    write_file("look.txt", "step\nwhy 20\n", 12);
+    assert_code(2, run("debug a.rlog -x look.txt"));
+    assert_in("why needs a particle, as in: why particle 17", err);
+}
+
+static void doctor_ends_with_the_chain(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("doctor a.rlog --json"));
+    assert_in("\"chain\": null, \"chain_end\": null, \"chain_why\": null}", out);
+    assert_code(1, run("run --from a.rlog@4 --steps 2 --set fluid.stiffness=1e30 -o bad.rlog --force --quiet"));
+    assert_code(1, run("doctor bad.rlog"));
+    assert_in("\n  rheolog why bad.rlog --step 5 --particle ", out);
+    assert_in("\n  ends: born here: the values that ", out);
+    assert_code(1, run("doctor bad.rlog --json"));
+    assert_in("\"chain\": [{\"step\": 5, \"stage\": \"forces@", out);
+    assert_in("\"chain_end\": \"born\", \"chain_why\": \"born here: ", out);
+    assert_code(1, run("doctor bad.rlog bad.rlog"));
+    assert_null(strstr(out, "born here"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -237,6 +311,9 @@ int main(void)
         cmocka_unit_test(a_step_that_does_not_repeat_is_named),
         cmocka_unit_test(why_not_tells_distances),
         cmocka_unit_test(why_not_refuses_bad_usage),
+        cmocka_unit_test(the_examples_of_the_page_are_true),
+        cmocka_unit_test(debug_explains_the_step_that_led_here),
+        cmocka_unit_test(doctor_ends_with_the_chain),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -352,8 +352,8 @@ static rheo_result pursue(chase *c, rheo_link *link, uint32_t depth, rheo_link_r
             return rheo__fail(error, RHEO_ERROR_STOPPED, "the receiver wanted no more");
         if (last && (is_finite(link->after) || found)) {
             end_chain(c, RHEO_CHAIN_DEPTH, link->step);
-            rheo__text_print(c->chain->why, sizeof c->chain->why, "%u link%s wanted", (unsigned)depth,
-                             depth == 1 ? " was" : "s were");
+            rheo__text_print(c->chain->why, sizeof c->chain->why, "after %u link%s, as asked", (unsigned)depth,
+                             depth == 1 ? "" : "s");
             return RHEO_OK;
         }
         if (!found)
