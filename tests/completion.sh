@@ -33,10 +33,10 @@ expect() { # expect POSSIBILITIES WORDS...: one a line, in order
     [ "$found" = "$wanted" ] || { echo "rheolog $*: completed to: $found; instead of: $wanted"; exit 1; }
 }
 options_of() { # options_of COMMAND: prints those of its help text, long and short
-    sed -n '/^options:/,/^$/s/^  \(-.*\)/\1/p' "$source/src/cli/help/$1.txt" | sed 's/   .*//' | tr -s ', ' '\n' | grep '^-' | sort
+    sed -n '/^options:/,/^$/s/^  \(-.*\)/\1/p' "$source/src/cli/help/$(echo "$1" | tr - _).txt" | sed 's/   .*//' | tr -s ', ' '\n' | grep '^-' | sort
 }
 
-commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' "$source/src/cli/commands.def")
+commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9_]*\),.*/\1/p' "$source/src/cli/commands.def" | tr _ -)
 expect "$(printf '%s\nhelp\n' "$commands" | sort)" ""
 expect "$(printf '%s\nhelp\n' "$commands" | sort)" help ""
 expect "metrics" met

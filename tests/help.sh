@@ -16,7 +16,7 @@ compare() {
 }
 
 status=0
-commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' commands.def)
+commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9_]*\),.*/\1/p' commands.def)
 for command in $commands; do
     compare "$command" "help/$command.txt" || { echo "$command: code (<) and help (>) differ" && status=1; }
 done

@@ -29,7 +29,7 @@ missing_from() { # missing_from PAGE: prints the words of the help texts that ar
 }
 missing=$(missing_from "$scratch/rheolog.1")
 [ -z "$missing" ] || fail "words of the help texts that the man page does not have: $missing"
-for command in $(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' "$cli/commands.def"); do
+for command in $(sed -n 's/^CLI_COMMAND(\([a-z0-9_]*\),.*/\1/p' "$cli/commands.def" | tr _ -); do
     grep -qi "^\.SH RHEOLOG $command\$" "$scratch/rheolog.1" || fail "the man page has no section on $command"
 done
 

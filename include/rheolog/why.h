@@ -85,8 +85,12 @@ typedef struct rheo_change {
     /** As of rheo_player_seek_stage(). */
     char stage[48];
     char field[32];
+    /** Number of the stage run in the step, from 0: runs with smaller numbers were made before. */
+    uint64_t run;
     uint32_t components;
     double before[3], after[3];
+    /** Before the run, all values of the particle that stages add to were finite. */
+    bool was_finite;
     /**
      * Added in their order, in the numbers of the library, the contributions to each sum, and the sums times their factors
      * to `before`, give `after`, bit for bit. It is true unless rheolog has a bug.
@@ -113,6 +117,125 @@ typedef bool rheo_change_receiver(void *data, const rheo_change *change);
 RHEO_API rheo_result rheo_player_why(rheo_player *player, uint64_t step, const char *stage, uint64_t id,
                                      const char *field, rheo_change_receiver *receiver, void *data,
                                      rheo_error *error);
+
+/* ---- Chains of causes ---- */
+
+/** What happened to NaN and infinity in a stage run. */
+typedef enum rheo_not_finite {
+    /** All values were and are finite. */
+    RHEO_FINITE = 0,
+    /** The values before were finite, the result is not. */
+    RHEO_NOT_FINITE_BORN = 1,
+    /** A value of the particle or of a partner was not finite, and so is the result. */
+    RHEO_NOT_FINITE_PASSED_ON = 2,
+    /** A value or a contribution was not finite, but the result is. */
+    RHEO_NOT_FINITE_SWALLOWED = 3,
+} rheo_not_finite;
+
+/** "born", "passed on", "swallowed"; "" for RHEO_FINITE. */
+RHEO_API const char *rheo_not_finite_name(rheo_not_finite what);
+
+/** A cause: a stage run that changed a value of a particle, and the largest contribution in it. */
+typedef struct rheo_link {
+    uint64_t step, run;
+    char stage[48];
+    char field[32];
+    uint64_t id;
+    uint32_t components;
+    double before[3], after[3];
+    rheo_not_finite not_finite;
+    /** Number of contributions, and the largest; of a value that is not finite, the first that is not. */
+    uint64_t contributions;
+    rheo_contribution largest;
+} rheo_link;
+
+/** Is called for each link, from effect to cause; returns whether more are wanted. */
+typedef bool rheo_link_receiver(void *data, const rheo_link *link);
+
+typedef enum rheo_chain_end {
+    /** As many links as were wanted. */
+    RHEO_CHAIN_DEPTH = 0,
+    /** Before the step, commands were given. */
+    RHEO_CHAIN_COMMAND = 1,
+    /** The recording begins. */
+    RHEO_CHAIN_START = 2,
+    /** The step has the first sign that rheo_diagnose() finds. */
+    RHEO_CHAIN_SIGN = 3,
+    /** The largest contribution comes from outside of the particles: gravity, the ball, a plate, the solver. */
+    RHEO_CHAIN_SOURCE = 4,
+    /** Nothing changed the value in the step, or in the 16 steps before. */
+    RHEO_CHAIN_UNCHANGED = 5,
+    /** NaN or infinity was born. */
+    RHEO_CHAIN_BORN = 6,
+} rheo_chain_end;
+
+typedef struct rheo_chain {
+    uint64_t links;
+    rheo_chain_end end;
+    /** The step at which it ended, and why, in words. */
+    uint64_t step;
+    char why[512];
+} rheo_chain;
+
+/**
+ * Follows causes backwards. A link is the stage run that changed the field most, and the largest contribution in it. The next
+ * link is what this contribution came from: of a velocity that moves the particle, that velocity; of a pair, the position or
+ * velocity of that particle of the two which changed more. It is looked for in the runs before, then in up to 16 steps before,
+ * where gravity counts only if there is nothing else. NaN and infinity are followed to where they were born.
+ *
+ * depth: the most links, from 1. Others are as for rheo_player_why(). The player keeps states on the way back, so a
+ * link costs at most the steps of a keyframe interval, and those that are looked at. RHEO_ERROR_STOPPED: the receiver did not want more.
+ */
+RHEO_API rheo_result rheo_player_why_chain(rheo_player *player, uint64_t step, const char *stage, uint64_t id,
+                                           const char *field, uint32_t depth, rheo_link_receiver *receiver,
+                                           void *data, rheo_chain *chain, rheo_error *error);
+
+/* ---- What did not happen ---- */
+
+/** Two particles in a step. */
+typedef struct rheo_pair_step {
+    uint64_t step;
+    /** Both particles exist. */
+    bool exists;
+    /** At the end of the step, and the least of the stages that decide. Unit L. In periodic space to the nearest image. */
+    double distance, nearest;
+    /** That stage; "" if nothing decided in this step. */
+    char stage[48];
+    /** At the end of the step, there is a spring between them. */
+    bool spring;
+} rheo_pair_step;
+
+/** Is called for each step that is looked at; returns whether more are wanted. */
+typedef bool rheo_pair_receiver(void *data, const rheo_pair_step *step);
+
+/** Why two particles have no spring, or did not meet. */
+typedef struct rheo_why_not {
+    /** Steps that were looked at. */
+    uint64_t first, last;
+    /** What springs and neighbours are closer than. Unit L. */
+    double support;
+    /** There is a spring in the step that was asked about, or the particles are closer than the support at its end. */
+    bool holds;
+    /** The step that was asked about, and that with the least distance. */
+    rheo_pair_step at, nearest;
+    /** In one of the steps it holds; the first and the last of them. */
+    bool held;
+    uint64_t held_first, held_last;
+    /** In the step, the nearest image is across a border of periodic space. */
+    bool across;
+    /** The answer in one sentence. */
+    char why[512];
+} rheo_why_not;
+
+/**
+ * Tells why two particles have no spring in a step (`spring`), or did not come closer than the support. Looks at the steps from
+ * the keyframe before the step to the one after it, after each stage that makes springs, or else after each stage.
+ *
+ * RHEO_ERROR_ARGUMENT: no such step, no such particles in it, one particle, or no springs in the recording.
+ */
+RHEO_API rheo_result rheo_player_why_not(rheo_player *player, uint64_t step, uint64_t a, uint64_t b, bool spring,
+                                         rheo_pair_receiver *receiver, void *data, rheo_why_not *answer,
+                                         rheo_error *error);
 
 #ifdef __cplusplus
 }

@@ -5,7 +5,7 @@
 set -eu
 cd "$(dirname "$0")"
 name=$1
-commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' commands.def | tr '\n' ' ')
+commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9_]*\),.*/\1/p' commands.def | tr '_\n' '- ')
 function=_$(printf %s "$name" | tr - _)
 formats=$(sed -n '/names\[\] = {/,/};/p' ../view/export.c | grep -o '"[a-z]*"' | tr -d '"' | tr '\n' ' ')
 colours=$(sed -n 's/^ *RHEO__QUANTITY(\([a-z_]*\),.*/\1/p' ../world/query_*.c | sort -u | tr '\n' ' ')none
@@ -54,7 +54,7 @@ for command in $commands; do
             q = "\047"
             printf "    %s)\n        options=%s paths=%s values=%s\n        words=%s files=%s names=%s\n        ;;\n", command,
                 q substr(options, 2) q, q substr(paths, 2) q, q substr(values, 2) q, q words q, q files q, q names q
-        }' "help/$command.txt"
+        }' "help/$(echo "$command" | tr - _).txt"
 done
 cat <<END
     '' | help)

@@ -8,7 +8,7 @@ enum { CLI_COMMAND_LINE = 8192 };
 
 typedef struct cli_doctor_case {
     const char *file;
-    const rheo_recording *recording;
+    rheo_recording *recording;
     const rheo_diagnosis *diagnosis;
 } cli_doctor_case;
 

@@ -63,6 +63,7 @@ int cli_debug_until(cli_session *s, const char *text);
 int cli_debug_back_until(cli_session *s, const char *text);
 int cli_debug_print(cli_session *s, const char *text);
 int cli_debug_top(cli_session *s, const char *text);
+int cli_debug_why(cli_session *s, const char *text);
 int cli_debug_track(cli_session *s, const char *text);
 int cli_debug_set(cli_session *s, const char *text);
 int cli_debug_original(cli_session *s, const char *text);

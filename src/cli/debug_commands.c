@@ -169,6 +169,9 @@ static const cli_debug_command COMMANDS[] = {
     {"track", "ITEM FIELD [N]", "print a field in the next N steps, or the last with -N",
      "Without N, 10 steps, this one included. ITEM is particle ID, spring A:B or ball; a vector is all its components.",
      cli_debug_track},
+    {"why", "particle ID [FIELD] [N]", "say who changed a particle, and N causes",
+     "In the step that led here, or in the stage. FIELD is position, velocity, ...; `rheolog help why` says more.",
+     cli_debug_why},
     {"set", "PARAMETER VALUE", "begin a fork: a new run from here, with a change",
      "The recording stays as it is. At the end of a fork, the fork goes on with the change; before its end, another fork "
      "takes its place. Commands that the recording has after this step are not given.",

@@ -105,6 +105,9 @@ size_t cli_debug_complete(const cli_session *s, const char *line, void (*receive
     } else if (strcmp(name, "track") == 0) {
         offer_all(&w, ITEMS);
         offer_quantities(&w, world);
+    } else if (strcmp(name, "why") == 0) {
+        offer(&w, "particle");
+        offer_all(&w, (const char *const[]){"position", "velocity", "density", "temperature", "derivative", NULL});
     } else if (strcmp(name, "when") == 0 || strcmp(name, "until") == 0 || strcmp(name, "back") == 0) {
         offer_all(&w, ITEMS);
         offer_all(&w, (const char *const[]){"any", "exists", "and", "or", "not", NULL});

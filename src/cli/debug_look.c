@@ -8,6 +8,7 @@
 #include "cli/found.h"
 #include "cli/inspect.h"
 #include "cli/track.h"
+#include "cli/why.h"
 
 /* ---- print, top ---- */
 
@@ -237,6 +238,51 @@ int cli_debug_track(cli_session *s, const char *text)
         status = print_rows(s, &t, field, from, to);
     cli_track_release(&t);
     return status;
+}
+
+/* ---- why ---- */
+
+/* Reads "particle ID [FIELD] [N]". */
+static int read_why(const char *text, cli_why_request *r, char field[64])
+{
+    char word[64] = "", id[64] = "", number[32] = "";
+    uint64_t depth = 1;
+    cli_debug_word(&text, word, sizeof word);
+    cli_debug_word(&text, id, sizeof id);
+    if (strcmp(word, "particle") != 0 || !cli_number_from(id, &r->id))
+        return cli_fail(CLI_BAD, "why needs a particle, as in: why particle 17, or: why particle 17 velocity 4");
+    if (*text && (*text < '0' || *text > '9'))
+        cli_debug_word(&text, field, 64);
+    cli_debug_word(&text, number, sizeof number);
+    if (*text || (*number && (!cli_number_from(number, &depth) || depth < 1 || depth > 1000)))
+        return cli_fail(CLI_BAD, "why needs the number of causes, from 1 to 1000, at the end; got \"%s%s%s\"", number,
+                        *text ? " " : "", text);
+    r->depth = (uint32_t)depth;
+    r->field = *field ? field : "position";
+    return CLI_DONE;
+}
+
+/* Between steps, explains the step that led here; in the middle of a step, the last stage. */
+int cli_debug_why(cli_session *s, const char *text)
+{
+    char stage[32], field[64] = "";
+    cli_why_request r = {.file = s->file, .step = cli_debug_place(s, stage), .top = CLI_WHY_TOP};
+    rheo_player *player;
+    rheo_error error = {""};
+    uint64_t changes;
+    int status = read_why(text, &r, field);
+    if (status != CLI_DONE)
+        return status;
+    if (r.step == cli_debug_first(s))
+        return cli_fail(CLI_BAD, "step %llu is the first: no step led to it", (unsigned long long)r.step);
+    r.stage = *stage ? stage : NULL;
+    if ((status = open_player(s, &player)) != CLI_DONE)
+        return status;
+    const rheo_result result = cli_why_print(&r, player, &changes, &error);
+    rheo_player_close(player);
+    if (result == RHEO_ERROR_STOPPED)
+        return cli_fail(CLI_INTERRUPTED, "interrupted");
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(s->file, result, &error);
 }
 
 /* ---- Searches ---- */

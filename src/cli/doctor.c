@@ -1,9 +1,13 @@
-/* rheolog doctor: reads from a recording where, when and why the run went bad. Nothing is simulated. */
+/*
+ * rheolog doctor: reads from a recording where, when and why the run went bad. Only the chain of causes at the end simulates, a
+ * few steps (doctor_why.c).
+ */
 #include "cli/cure.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "cli/doctor_why.h"
 #include "cli/shell.h"
 
 static const char *verdict_of(const rheo_diagnosis *d)
@@ -66,7 +70,7 @@ static void write_cause(rheo__json *json, const rheo_diagnosis *d)
     write_seen(json, c);
 }
 
-static void print_json(const char *file, const cli_doctor_case *c)
+static void print_json(const char *file, const cli_doctor_case *c, const cli_doctor_chain *chain)
 {
     const rheo_diagnosis *d = c->diagnosis;
     rheo__json json = {.file = stdout};
@@ -106,6 +110,7 @@ static void print_json(const char *file, const cli_doctor_case *c)
         rheo__json_end_object(&json);
     }
     rheo__json_end_list(&json);
+    cli_doctor_chain_json(&json, chain);
     rheo__json_end_object(&json);
 }
 
@@ -184,7 +189,7 @@ static void print_advice(const cli_doctor_case *c)
     }
 }
 
-static void print_text(const char *file, const cli_doctor_case *c)
+static void print_text(const char *file, const cli_doctor_case *c, cli_doctor_chain *chain)
 {
     const rheo_diagnosis *d = c->diagnosis;
     cli_print(stdout, 4, "%s: %s\n", file, d->why); /* the message begins with the verdict */
@@ -193,6 +198,9 @@ static void print_text(const char *file, const cli_doctor_case *c)
         return;
     print_advice(c);
     print_look(file, d);
+    fflush(stdout); /* the chain may take seconds */
+    cli_doctor_chain_follow(c->recording, chain);
+    cli_doctor_chain_text(file, chain);
 }
 
 /* ---- The command ---- */
@@ -221,12 +229,16 @@ static int examine(const char *file, bool json, bool brief)
         return opened ? cli_file_error(file, result, &error) : cli_error(result, &error);
     }
     const cli_doctor_case c = {file, recording, &d};
+    cli_doctor_chain chain;
+    cli_doctor_chain_begin(recording, &d, &chain);
     if (json)
-        print_json(file, &c);
+        cli_doctor_chain_follow(recording, &chain);
+    if (json)
+        print_json(file, &c, &chain);
     else if (brief)
         cli_print(stdout, 4, "%s: %s\n", file, d.why);
     else
-        print_text(file, &c);
+        print_text(file, &c, &chain);
     if (!d.complete)
         cli_warn_incomplete(file, recording);
     rheo_recording_close(recording);

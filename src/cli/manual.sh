@@ -39,7 +39,7 @@ function paragraph(text) {
     sed -n 's/^usage: //p' help/main.txt | awk "$roff"'{ print plain($0) }'
     printf '.SH DESCRIPTION\n'
     # There is no date, so that a version always has the same page. The commands stand where `rheolog --help` has them.
-    list=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\), "\(.*\)")$/\1 \2/p' commands.def)
+    list=$(sed -n 's/^CLI_COMMAND(\([a-z0-9_]*\), "\(.*\)")$/\1 \2/p' commands.def | sed 's/^\([a-z]*\)_/\1-/')
     awk -v list="$list" "$roff"'
         /^usage: / { skip = 1; next }
         skip && /^$/ { skip = 0; next }
@@ -80,6 +80,6 @@ function paragraph(text) {
             }
             !/^ / { block(0) }
             { paragraph($0) }
-            END { block(0) }' "help/$command.txt"
+            END { block(0) }' "help/$(echo "$command" | tr - _).txt"
     done
 }

@@ -168,21 +168,26 @@ rheo_result rheo_player_step(rheo_player *p, rheo_error *error)
     return go(p, next, 0, error);
 }
 
+/*
+ * Goes to a step, and keeps states on the way for further steps back: starts from the keyframe the first time, and keeps states
+ * at equal distances; later starts from the nearest of these.
+ */
+static rheo_result go_back(rheo_player *p, uint64_t step, rheo_error *error)
+{
+    const uint64_t keyframe = p->r->keyframes[rheo__recording_nearest(p->r, step)].step;
+    bool near = false;
+    for (size_t i = 0; i < p->kept_count; i++)
+        near = near || (p->kept[i].step > keyframe && p->kept[i].step <= step);
+    const uint64_t distance = step - keyframe;
+    return go(p, step, near || distance < MOST_KEPT ? 0 : distance / MOST_KEPT + 1, error);
+}
+
 rheo_result rheo_player_step_back(rheo_player *p, rheo_error *error)
 {
     if (p->step == p->r->first_step)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no step before %llu, with which the recording begins",
                           (unsigned long long)p->step);
-    const uint64_t step = p->step - 1, keyframe = p->r->keyframes[rheo__recording_nearest(p->r, step)].step;
-    bool near = false;
-    for (size_t i = 0; i < p->kept_count; i++)
-        near = near || (p->kept[i].step > keyframe && p->kept[i].step <= step);
-    const uint64_t distance = step - keyframe;
-    /*
-     * Starts from the keyframe the first time, and keeps states at equal distances; later starts from the nearest of
-     * these.
-     */
-    return go(p, step, near || distance < MOST_KEPT ? 0 : distance / MOST_KEPT + 1, error);
+    return go_back(p, p->step - 1, error);
 }
 
 /* ---- Stages ---- */
@@ -246,7 +251,8 @@ rheo_result rheo__player_step_account(rheo_player *p, uint64_t step, rheo__accou
     const uint64_t last = r->last_step + r->has_failure;
     if (step <= r->first_step || step > last)
         return no_such_step(r, step, error);
-    RHEO__TRY(go(p, step - 1, 0, error));
+    const bool is_ahead = is_between_steps(p) && p->step < step;
+    RHEO__TRY(is_ahead ? go(p, step - 1, 0, error) : go_back(p, step - 1, error));
     rheo_result result;
     if (step > r->last_step) {
         RHEO__TRY(begin_step(p, error));

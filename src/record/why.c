@@ -195,6 +195,16 @@ static rheo_result find_field(const rheo_world *world, const char *name, rheo__f
                       "\"%.60s\" is no field of a particle that stages add to; there are %s", name, names);
 }
 
+/* Whether all fields of the particle that have accounts are finite before a stage run. */
+static bool was_finite(const rheo__account_stage *stage)
+{
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        for (int axis = 0; axis < 3; axis++)
+            if (!(stage->before[f][axis] - stage->before[f][axis] == 0))
+                return false;
+    return true;
+}
+
 /* Whether a stage name means this stage run. */
 static bool is_meant(const char *wanted, const char *run)
 {
@@ -211,7 +221,11 @@ static rheo_result report(const rheo__account *a, uint64_t step, const char *wan
     bool more = true;
     for (size_t i = 0; i < a->stages && more; i++) {
         const rheo__account_stage *stage = &a->stage[i];
-        rheo_change change = {.step = step, .exact = stage->holds, .components = rheo__field_table[field].components};
+        rheo_change change = {.step = step,
+                              .run = i,
+                              .was_finite = was_finite(stage),
+                              .exact = stage->holds,
+                              .components = rheo__field_table[field].components};
         all.count = 0;
         put_stage(&all, a, stage, field);
         if (all.no_memory)
