@@ -185,6 +185,14 @@ size_t rheo__recording_nearest(const rheo_recording *r, uint64_t step);
 rheo_recording *rheo__player_recording(const rheo_player *player);
 /* Refuses a name that is no stage, as of rheo_player_seek_stage(). */
 rheo_result rheo__player_check_stage(const rheo_player *player, const char *name, rheo_error *error);
+/* Makes another player at the same step; if the first is in the middle of one, at the keyframe before it. */
+rheo_result rheo__player_copy(const rheo_player *player, rheo_player **copy, rheo_error *error);
+/* The player becomes the other one, which is released. */
+void rheo__player_take_over(rheo_player *player, rheo_player *from);
+/* For a search that wants the last place: keeps the present state, unless one was kept less than `apart` steps before it. */
+void rheo__player_keep(rheo_player *player, uint64_t apart);
+/* The search has found a place: what was kept last leads to it, and stays until there is another place. */
+void rheo__player_keep_found(rheo_player *player);
 
 /* ---- Commands in a file (record/commands.c) ---- */
 
