@@ -143,8 +143,23 @@ static void images_agree_where_no_pair_is_first(void **state)
         assert_true(number_of("image", "sequential, step/2", quantities[i], "order") > 3);
     }
     assert_true(isnan(number_of("image", "summed, step", "mirrored", "value"))); /* not reached */
+}
+
+static void unknown_scenes_are_refused_with_those_that_there_are(void **state)
+{
+    (void)state;
     assert_code(2, run("bench error --study sweeps --scenes images"));
-    assert_one_message("no study has a scene of --scenes images");
+    assert_one_message("no study that was chosen has a scene \"images\"; there are image, free-drop, hydrostatics");
+    assert_code(2, run("bench error --scenes ball,dorp"));
+    assert_one_message("has a scene \"dorp\"; there are t^2, t^3, sine, ");
+    assert_in(", ball, drop, block, ", err);
+    assert_in(", bowling-ball-small, ", err);
+    assert_code(2, run("bench error --scenes ball,"));
+    assert_one_message("has a scene \"\"; there are ");
+    assert_code(2, run("bench error --model melting --scenes image"));
+    assert_one_message("has a scene \"image\"; there are ");
+    assert_code(0, run("bench error --study history,sweeps --scenes image --steps 2 --csv --quiet"));
+    assert_null(strstr(out, "history,")); /* a study without a chosen scene is left out */
 }
 
 /* ---- Stiff springs ---- */
@@ -187,6 +202,7 @@ int main(void)
         cmocka_unit_test(the_default_scheme_is_of_order_1),
         cmocka_unit_test(pressures_carry_the_weight_where_no_pair_is_first),
         cmocka_unit_test(images_agree_where_no_pair_is_first),
+        cmocka_unit_test(unknown_scenes_are_refused_with_those_that_there_are),
         cmocka_unit_test(stiff_springs_are_held_and_right),
         cmocka_unit_test(stiff_springs_have_their_points),
     };

@@ -4,6 +4,8 @@
  */
 #include "cli_support.h"
 
+#include <sys/stat.h>
+
 /* The value of a column in the first line after the header of a CSV text. */
 static void column(const char *text, const char *name, char value[128])
 {
@@ -111,6 +113,18 @@ static void usage_is_checked(void **state)
     assert_code(2, run("bench table1 -o folder"));
 }
 
+/* Before anything is computed: nothing is printed. */
+static void files_that_cannot_be_written_are_found_before_the_runs(void **state)
+{
+    (void)state;
+    mkdir("predictor_taken", 0777);
+    mkdir("predictor_taken/predictor.svg", 0777);
+    assert_code(2, run("bench predictor --count 1 --csv --quiet -o predictor_taken"));
+    assert_one_message("predictor_taken/predictor.svg exists and leads to no regular file");
+    remove("predictor_taken/predictor.svg");
+    remove("predictor_taken");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -118,6 +132,7 @@ int main(void)
         cmocka_unit_test(the_same_seeds_give_the_same_scenes_and_verdicts),
         cmocka_unit_test(runs_are_as_check_expects),
         cmocka_unit_test(usage_is_checked),
+        cmocka_unit_test(files_that_cannot_be_written_are_found_before_the_runs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

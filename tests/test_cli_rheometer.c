@@ -2,6 +2,8 @@
 #define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
 #include "cli_support.h"
 
+#include <sys/stat.h>
+
 #include <math.h>
 #include <unistd.h>
 
@@ -429,12 +431,17 @@ static void bad_usage_is_refused(void **state)
         {"bowling-ball-small --pair --set history.no=1", "unknown parameter"},
         {"melting-bunny --set melting.viscosity=0", "melting.viscosity is 0"},
         {"bowling-ball-small --pair -o no/such/folder", "cannot make the folder"},
+        {"bowling-ball-small --pair stop -o taken", "taken/pair-stop.svg exists and leads to no regular file"},
     };
+    mkdir("taken", 0777);
+    mkdir("taken/pair-stop.svg", 0777);
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         assert_code(2, run("rheometer %s", refused[i][0]));
         assert_in(refused[i][1], err);
         assert_string_equal(out, "");
     }
+    remove("taken/pair-stop.svg");
+    remove("taken");
 }
 
 int main(void)

@@ -4,9 +4,10 @@
 static void when_has_its_keys(void **state)
 {
     (void)state;
-    static const char *const keys[] = {"step",     "stage",        "item",        "id",        "other_id",
-                                       "quantity", "value",        "file",        "condition", "outcome",
-                                       "hits",     "first_looked", "last_looked", "reason",    NULL};
+    static const char *const keys[] = {
+        "step",        "stage",     "item",    "id",   "other_id",     "quantity",    "value",
+        "file",        "condition", "outcome", "hits", "first_looked", "last_looked", "steps_simulated",
+        "states_read", "reason",    NULL};
     record("a.rlog");
     assert_code(0, run("when a.rlog 'any particle: speed >= 0' --after 2 --before 5 --all --json"));
     assert_keys(out, keys);
@@ -16,7 +17,7 @@ static void when_has_its_keys(void **state)
     assert_in("\n{\"step\": 4, \"stage\": null, \"item\": \"particle\", ", out);
     assert_in(
         "\n{\"file\": \"a.rlog\", \"condition\": \"any particle: speed >= 0\", \"outcome\": \"found\", \"hits\": 2, "
-        "\"first_looked\": 3, \"last_looked\": 4, \"reason\": null}\n",
+        "\"first_looked\": 3, \"last_looked\": 4, \"steps_simulated\": 4, \"states_read\": 1, \"reason\": null}\n",
         out);
     assert_code(0, run("when a.rlog 'any particle: speed >= 0' --stage gravity@1 --last --json"));
     assert_in("{\"step\": 8, \"stage\": \"gravity@1\", \"item\": \"particle\", ", out);
@@ -25,7 +26,7 @@ static void when_has_its_keys(void **state)
     assert_in("\"outcome\": \"none\", \"hits\": 0, ", out);
     assert_code(2, run("when a.rlog 'stepp > 1000' --json"));
     assert_in(
-        "\"outcome\": \"refused\", \"hits\": 0, \"first_looked\": null, \"last_looked\": null, \"reason\": \"a.rlog: the "
+        "\"outcome\": \"refused\", \"hits\": 0, \"first_looked\": null, \"last_looked\": null, \"steps_simulated\": 0, \"states_read\": 1, \"reason\": \"a.rlog: the "
         "recording has no metric \\\"stepp\\\"; did you mean \\\"step\\\"",
         out);
 }

@@ -142,6 +142,8 @@ static rheo_result read_all(bool full, rheo_error *error)
     rheo_command command;
     double metrics[64];
     uint32_t stage;
+    rheo_search search;
+    const rheo_find_options last = {.which = RHEO_FIND_LAST};
     rheo_result result = rheo_recording_open_memory(recorded[full], recorded_size[full], &r, error);
     TRY(rheo_recording_check(r, error));
     TRY(rheo_recording_world(r, 3, NULL, &w, error));
@@ -153,6 +155,8 @@ static rheo_result read_all(bool full, rheo_error *error)
     TRY(rheo_player_step_back(player, error));
     TRY(rheo_player_stage(player, &stage, error));
     TRY(rheo_player_seek_stage(player, 3, "forces", error));
+    TRY(rheo_recording_find(r, "step > 2 or ball: y < 0", NULL, &search, error));
+    TRY(rheo_player_find(player, "any particle: density > 0 and any spring: kappa >= 0", &last, &search, error));
     TRY(rheo_diagnose(r, &d, error));
     rheo_player_close(player);
     rheo_world_destroy(w);
@@ -223,6 +227,50 @@ static rheo_result go_on(bool full, rheo_error *error)
     }
     rheo_world_destroy(w);
     remove(PATH);
+    return result;
+}
+
+/* After a copy that failed, the recorder goes on: a second copy, further steps, and the end are those of any recording. */
+static rheo_result copy(bool full, rheo_error *error)
+{
+    rheo_recording *r = NULL;
+    rheo_world *w = NULL;
+    rheo_recorder *recorder = NULL;
+    void *bytes = NULL, *taken = NULL;
+    size_t size = 0;
+    rheo_verification v;
+    const rheo_record_options options = {.scene = "small", .full = full, .keyframe_spacing = 2};
+    rheo_result result = rheo_recording_open_memory(recorded[0], recorded_size[0], &r, error);
+    TRY(rheo_recording_world(r, 2, NULL, &w, error));
+    TRY(rheo_recorder_open_memory(w, &options, &recorder, error));
+    TRY(rheo_recorder_step(recorder, error));
+    if (result == RHEO_OK) {
+        result = rheo_recorder_copy_memory(recorder, &bytes, &size, error);
+        assert_true(result == RHEO_OK ? bytes && size : !bytes && !size);
+        const bool failed = result != RHEO_OK; /* only one allocation is refused: all that follows succeeds */
+        for (int i = 0; failed && i < 3; i++)
+            assert_int_equal(rheo_recorder_step(recorder, NULL), RHEO_OK);
+        if (failed)
+            assert_int_equal(rheo_recorder_copy_memory(recorder, &bytes, &size, NULL), RHEO_OK);
+        if (failed) {
+            assert_int_equal(rheo_verify_memory(bytes, size, &v, NULL), RHEO_OK);
+            assert_true(v.verdict == RHEO_SAME && v.steps == 4);
+            assert_int_equal(rheo_recorder_close_memory(recorder, &taken, &size, NULL), RHEO_OK);
+            assert_memory_equal(taken, bytes, size);
+            recorder = NULL;
+        }
+    }
+    if (recorder) {
+        const rheo_result closed =
+            rheo_recorder_close_memory(recorder, &taken, &size, result == RHEO_OK ? error : NULL);
+        TRY(closed);
+        if (result == RHEO_OK)
+            assert_memory_equal(taken, bytes, size);
+    }
+    free(bytes);
+    free(taken);
+    rheo_world_destroy(w);
+    rheo_recording_close(r);
     return result;
 }
 
@@ -316,6 +364,7 @@ TASK(read_all)
 TASK(bless)
 TASK(make_again)
 TASK(go_on)
+TASK(copy)
 TASK(draw)
 TASK(export_all)
 TASK(fill_mesh)
@@ -323,11 +372,12 @@ TASK(fill_mesh)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(make_without_memory),       cmocka_unit_test(verify_without_memory),
-        cmocka_unit_test(compare_without_memory),    cmocka_unit_test(read_all_without_memory),
-        cmocka_unit_test(bless_without_memory),      cmocka_unit_test(make_again_without_memory),
-        cmocka_unit_test(go_on_without_memory),      cmocka_unit_test(draw_without_memory),
-        cmocka_unit_test(export_all_without_memory), cmocka_unit_test(fill_mesh_without_memory),
+        cmocka_unit_test(make_without_memory),      cmocka_unit_test(verify_without_memory),
+        cmocka_unit_test(compare_without_memory),   cmocka_unit_test(read_all_without_memory),
+        cmocka_unit_test(bless_without_memory),     cmocka_unit_test(make_again_without_memory),
+        cmocka_unit_test(go_on_without_memory),     cmocka_unit_test(draw_without_memory),
+        cmocka_unit_test(copy_without_memory),      cmocka_unit_test(export_all_without_memory),
+        cmocka_unit_test(fill_mesh_without_memory),
     };
     rheo_error error;
     rheo_recording *r;

@@ -431,6 +431,60 @@ static void lists_hold_all_pairs_of_the_step(void **unused)
     }
 }
 
+/* ---- Rest lengths that swing ---- */
+
+static char told[1024];
+
+static void keep_told(const char *text, void *user)
+{
+    (void)user;
+    snprintf(told, sizeof told, "%s", text);
+}
+
+/* How far the rest length of a spring is from its length after so many substeps; it begins as the support, 2. */
+static double swing_after(int steps, double number, double yield, uint32_t substeps)
+{
+    const rheo_real position[6] = {0, 0, 0, 1, 0, 0};
+    rheo_world_def def = inert_def();
+    rheo_spring spring;
+    def.springs.rest_length = RHEO_REST_SUPPORT;
+    def.springs.stiffness = 1e-9; /* the ends stay */
+    def.springs.yield_ratio = yield;
+    def.substeps = substeps;
+    def.springs.plasticity = number * substeps / (def.step * (1 - yield * yield));
+    def.log.message = keep_told;
+    *told = 0;
+    rheo_world *world = world_of(def, 2, position, NULL);
+    for (int i = 0; i < steps; i++)
+        OK(rheo_world_step(world, &error));
+    OK(rheo_world_springs(world, &spring, 1));
+    rheo_world_destroy(world);
+    return (double)spring.rest_length > 1 ? (double)spring.rest_length - 1 : 1 - (double)spring.rest_length;
+}
+
+/* The border of the warning is that of the flow: below it rest lengths settle, above it they swing for ever. */
+static void rest_lengths_swing_above_the_number_that_is_warned_of(void **state)
+{
+    (void)state;
+    for (uint32_t substeps = 1; substeps <= 3; substeps++) {
+        assert_true(swing_after(200, 1.95, 0, substeps) < 0.001);
+        assert_string_equal(told, "");
+        assert_true(swing_after(200, 2.05, 0, substeps) > 0.9);
+        assert_non_null(strstr(told, "springs.plasticity substep (1 - springs.yield_ratio^2) is 2.05, more than 2"));
+        assert_non_null(strstr(told, "what helps: springs.plasticity="));
+        /* A length that is tolerated stays. */
+        assert_true(swing_after(200, 1.95, 0.02, substeps) < 0.03);
+        assert_string_equal(told, "");
+        assert_true(swing_after(200, 2.2, 0.02, substeps) > 0.9);
+        assert_non_null(strstr(told, "is 2.2, more than 2"));
+    }
+    const double cure = strtod(strstr(told, "springs.plasticity=") + strlen("springs.plasticity="), NULL);
+    const double number = cure * inert_def().step / 3 * (1 - 0.02 * 0.02);
+    NEAR(number, 1, 0.01);
+    assert_true(swing_after(200, number, 0.02, 3) < 0.03);
+    assert_string_equal(told, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -440,6 +494,7 @@ int main(void)
         cmocka_unit_test(springs_keep_their_lengths_in_a_new_list),
         cmocka_unit_test(lists_hold_all_pairs_of_the_step),
         cmocka_unit_test(rows_have_all_pairs_within_support_and_margins),
+        cmocka_unit_test(rest_lengths_swing_above_the_number_that_is_warned_of),
     };
     return cmocka_run_group_tests_name("springs", tests, NULL, NULL);
 }

@@ -136,7 +136,7 @@ typedef struct rheo_progress {
     /**
      * Called after step `done` of `total`, from 1 on. `task` is a constant text: "settling" (rheo_scene_create_world()),
      * "verifying" (rheo_verify(), rheo_bless()), "comparing" (rheo_diff(), rheo_bless(), rheo_rerecord()), "recording"
-     * (rheo_rerecord()), "searching" (rheo_player_find()) or "simulating" (on the way to a step: rheo_recording_world(), rheo_player_seek() and others).
+     * (rheo_rerecord()), "searching" (rheo_recording_find()) or "simulating" (on the way to a step: rheo_recording_world(), rheo_player_seek() and others).
      * Returns whether to go on: if it returns false from then on, the function ends with RHEO_ERROR_STOPPED. Must not
      * call the library with the same objects. NULL: none.
      */
@@ -150,6 +150,16 @@ typedef struct rheo_progress {
  * influence on any result.
  */
 RHEO_API rheo_progress rheo_use_progress(rheo_progress progress);
+
+/** What the calling thread has done so far. The difference of two of them is what the calls between them took. */
+typedef struct rheo_work {
+    /** Steps of worlds that were begun, in whatever way: simulated, replayed, or looked into stage by stage. */
+    uint64_t steps;
+    /** Whole states that were read: of keyframes and checkpoints, also in memory, and of steps of full recordings. */
+    uint64_t states;
+} rheo_work;
+
+RHEO_API rheo_work rheo_work_done(void);
 
 /**
  * Finds the word in a list that is nearest to a misspelt one, by Levenshtein distance; the first if several are

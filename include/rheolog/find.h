@@ -82,11 +82,29 @@ typedef struct rheo_search {
  * and their hashes are compared (RHEO_ERROR_DIFFERS), or taken from a full recording. With a stage, also the stages of a
  * step that failed are looked at. After an error, *search has the places that were found before it.
  *
+ * A search simulates no step before the keyframe at or before the first step that is wanted; for the last place, no
+ * interval between keyframes before the one that has it.
+ *
  * RHEO_ERROR_ARGUMENT for a condition that is not understood, a metric with a stage, or a particle that no step has;
- * RHEO_ERROR_STOPPED if a progress receiver ended the search. The player's position is any afterwards.
+ * RHEO_ERROR_STOPPED if a progress receiver ended the search.
+ */
+RHEO_API rheo_result rheo_recording_find(rheo_recording *recording, const char *condition,
+                                         const rheo_find_options *options, rheo_search *search, rheo_error *error);
+
+/**
+ * Searches the recording of a player, as rheo_recording_find(), and moves the player to the place: the first goes on from
+ * the player, the last is reached in at most an eighth of an interval between keyframes after the search. The player stays
+ * where it is if nothing is found, if all places are wanted, or after an error.
  */
 RHEO_API rheo_result rheo_player_find(rheo_player *player, const char *condition, const rheo_find_options *options,
                                       rheo_search *search, rheo_error *error);
+
+/**
+ * Whether a condition holds in a world at the end of its last step: *holds, and then *found says where. Metrics are those of
+ * rheo_world_metric(). RHEO_ERROR_ARGUMENT as above.
+ */
+RHEO_API rheo_result rheo_world_holds(const rheo_world *world, const char *condition, bool *holds, rheo_found *found,
+                                      rheo_error *error);
 
 /** The first step at which a condition holds. */
 RHEO_API rheo_find_options rheo_default_find_options(void);

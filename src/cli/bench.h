@@ -14,6 +14,8 @@ typedef struct cli_bench_arguments {
     const char *folder;  /* error, stability, predictor: for files of the results; NULL: none */
     const char *scheme;  /* value of `scheme`; NULL: that of the measurement */
     const char *scenes;  /* scenes, error: names of scenes or cases with commas between; NULL: all */
+    char *
+        cases; /* error: takes the names of the cases, with commas between, instead of measuring them; NULL: measure */
     /* stability: k_min, and lists with commas between; NULL: the default */
     const char *stiffness, *ratios, *step_sizes, *solvers;
     cli_number settle; /* steps for which a fluid settles, instead of settle.time */

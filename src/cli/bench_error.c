@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/error_trials.h"
 #include "cli/steps.h"
 
 static const cli_error_study STUDY[] = {
@@ -66,8 +67,33 @@ static int check_names(const cli_bench_arguments *a)
     return CLI_DONE;
 }
 
+/* Refuses a word of --scenes that is no case of the studies, with the list of those that there are. */
+static int check_cases(cli_bench_arguments *a)
+{
+    char cases[CLI_CASE_NAMES] = "", list[2 * CLI_CASE_NAMES] = "";
+    int status = CLI_DONE;
+    a->cases = cases;
+    for (size_t i = 0; i < STUDIES && status == CLI_DONE; i++)
+        if (is_wanted(a, &STUDY[i]))
+            status = STUDY[i].run(a, &(cli_error_points){.count = 0});
+    a->cases = NULL;
+    for (size_t i = 0, length = 0; cases[i]; i++)
+        length += (size_t)snprintf(list + length, sizeof list - length, cases[i] == ',' ? ", " : "%c", cases[i]);
+    for (const char *word = a->scenes; status == CLI_DONE; word++) {
+        char name[64];
+        const size_t length = strcspn(word, ",");
+        snprintf(name, sizeof name, "%.*s", length < sizeof name ? (int)length : 0, word);
+        if (!*name || !cli_error_list_has(cases, name))
+            status = cli_usage(&cli_bench, "no study that was chosen has a scene \"%s\"; there are %s", name, list);
+        word += length;
+        if (!*word)
+            break;
+    }
+    return status;
+}
+
 /* Refuses what cannot be measured or written, before anything runs. */
-static int check(const cli_bench_arguments *a)
+static int check(cli_bench_arguments *a)
 {
     if (a->model && strcmp(a->model, "thickening") != 0 && strcmp(a->model, "melting") != 0)
         return cli_usage(&cli_bench, "--model is thickening or melting; got \"%s\"", a->model);
@@ -77,6 +103,8 @@ static int check(const cli_bench_arguments *a)
         wanted += is_wanted(a, &STUDY[i]);
     if (status == CLI_DONE && !wanted)
         status = cli_usage(&cli_bench, "no study of --study %s is of the model %s", a->studies, a->model);
+    if (status == CLI_DONE && a->scenes)
+        status = check_cases(a);
     if (status == CLI_DONE && a->folder)
         status = cli_make_folder(a->folder);
     for (size_t i = 0; i < STUDIES && status == CLI_DONE && a->folder; i++)
@@ -89,7 +117,6 @@ int cli_bench_run_error(cli_bench_arguments *a)
 {
     cli_bench_table table = {.json = a->json};
     bool first = true;
-    size_t count = 0;
     int status = check(a);
     for (size_t i = 0; i < STUDIES && status == CLI_DONE; i++) {
         cli_error_points points = {0};
@@ -97,7 +124,6 @@ int cli_bench_run_error(cli_bench_arguments *a)
             continue;
         status = STUDY[i].run(a, &points);
         cli_progress_end(&a->progress);
-        count += points.count;
         if (status == CLI_DONE && points.count) {
             cli_error_judge(&points);
             if (a->csv || a->json) {
@@ -112,8 +138,6 @@ int cli_bench_run_error(cli_bench_arguments *a)
         first = first && !points.count;
         free(points.item);
     }
-    if (status == CLI_DONE && !count)
-        return cli_usage(&cli_bench, "no study has a scene of --scenes %s", a->scenes ? a->scenes : "");
     if (status == CLI_DONE && !a->csv && !a->json)
         puts(
             "\n*: on the front: no other setting is both cheaper and closer. error: relative, unless the study says\n"

@@ -59,6 +59,8 @@ int cli_bench_run_predictor(cli_bench_arguments *a)
     if (a->scene_count < 1 || a->scene_count > MOST_SCENES)
         return cli_usage(&cli_bench, "--count must be from 1 to %d", MOST_SCENES);
     int status = a->folder ? cli_make_folder(a->folder) : CLI_DONE;
+    if (status == CLI_DONE && a->folder)
+        status = cli_predictor_check_files(a->folder);
     if (status != CLI_DONE)
         return status;
     cli_predictor_results r = {.count = (uint32_t)a->scene_count};

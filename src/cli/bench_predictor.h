@@ -100,6 +100,8 @@ void cli_predictor_judge(const cli_predictor_results *results, uint32_t group, u
  */
 int cli_predictor_check(const cli_predictor_results *results);
 /* Prints what the arguments ask for, and writes the files of -o. Returns an exit code. */
+/* Refuses a folder in which the files cannot be written. */
+int cli_predictor_check_files(const char *folder);
 int cli_predictor_report(const cli_predictor_results *results, const cli_bench_arguments *a);
 /* FOLDER/predictor.svg. */
 int cli_predictor_plot(const cli_predictor_results *results, const char *path);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/steps.h"
+
 /* ---- Judging ---- */
 
 /* Whether all conditions and precursors but one stayed in range; `but`: that one, or the count for none. */
@@ -266,14 +268,35 @@ static void put_measures(const cli_predictor_results *r, bool json)
     }
 }
 
+enum { PATH = 4096 + 32 };
+
+static int path_of(const char *folder, const char *name, char path[PATH])
+{
+    const int length = snprintf(path, PATH, "%s/%s", folder, name);
+    return length < PATH ? CLI_DONE : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
+}
+
+int cli_predictor_check_files(const char *folder)
+{
+    static const char *const NAMES[] = {"predictor.csv", "predictor.svg"};
+    int status = CLI_DONE;
+    for (size_t i = 0; i < 2 && status == CLI_DONE; i++) {
+        char path[PATH];
+        if ((status = path_of(folder, NAMES[i], path)) == CLI_DONE &&
+            (status = cli_refuse_existing(path, true)) == CLI_DONE)
+            status = cli_check_folder(path);
+    }
+    return status;
+}
+
 static int write_files(const cli_predictor_results *r, const char *folder)
 {
-    char path[1024];
-    const int length = snprintf(path, sizeof path, "%s/predictor.csv", folder);
-    if (length >= (int)sizeof path)
-        return cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
-    int status = cli_write_file(path, put_scenes, r);
-    snprintf(path, sizeof path, "%s/predictor.svg", folder);
+    char path[PATH];
+    int status = path_of(folder, "predictor.csv", path);
+    if (status == CLI_DONE)
+        status = cli_write_file(path, put_scenes, r);
+    if (status == CLI_DONE)
+        status = path_of(folder, "predictor.svg", path);
     return status == CLI_DONE ? cli_predictor_plot(r, path) : status;
 }
 

@@ -84,6 +84,14 @@ enum { CLI_GO_ON = -1 };
  * CLI_BAD after a message.
  */
 int cli_parse(const cli_command *command, const cli_option *options, int *argc, char **argv);
+/* For the option --cost: what has been done so far. */
+typedef struct cli_cost {
+    rheo_work work;
+    double seconds; /* of CPU time */
+} cli_cost;
+cli_cost cli_cost_now(void);
+/* Says what has been done since then: "cost: 669 steps simulated, 2 states read, 4.1 s of CPU time". */
+void cli_say_cost(cli_cost since);
 /* Whether the option --quiet, which every command has, was given: no progress. */
 bool cli_quiet(void);
 /* Prints "rheolog COMMAND: message" and a reference to --help. Returns CLI_BAD. */

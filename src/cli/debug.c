@@ -29,9 +29,12 @@ static int run_line(cli_session *s, const char *line)
         snprintf(s->last, sizeof s->last, "%s", line);
     cli_watch_keyboard(false);
     cli_watch();
+    const cli_cost before = cli_cost_now();
     const int status = is_blank(s->last) ? CLI_DONE : cli_debug_run(s, s->last);
     cli_watch_end();
     fflush(stdout);
+    if (s->cost)
+        cli_say_cost(before);
     return status;
 }
 
@@ -113,13 +116,14 @@ static int debug(cli_session *s, const char *commands)
 
 static int run(int argc, char **argv)
 {
+    static cli_session s;
     const char *commands = NULL, *simd = NULL;
     const cli_option options[] = {
         {"--execute", "-x", "FILE", CLI_TEXT, &commands},
+        {"--cost", NULL, NULL, CLI_FLAG, &s.cost},
         {"--simd", NULL, "NAME", CLI_TEXT, &simd},
         {0},
     };
-    static cli_session s;
     int status = cli_parse(&cli_debug, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;

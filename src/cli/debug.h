@@ -24,7 +24,7 @@ typedef struct cli_session {
     rheo_player *player;
     cli_fork fork;
     char last[1024]; /* the last command, which an empty line repeats */
-    bool quit;
+    bool quit, cost; /* cost: tell what each command took */
 } cli_session;
 
 /* ---- The place (debug_fork.c) ---- */
@@ -37,6 +37,10 @@ uint64_t cli_debug_last(const cli_session *s);
 uint64_t cli_debug_first(const cli_session *s);
 /* The recording, or what the fork has recorded so far. Returns an exit code, as the functions below. */
 int cli_debug_recording(cli_session *s, rheo_recording **recording);
+/* Moves to the first or last step at which a condition holds. Stays if found->hits is 0. A fork is not run on. */
+int cli_debug_find(cli_session *s, const char *condition, const rheo_find_options *options, rheo_search *found);
+/* The exit code of a search; a message if it failed or was interrupted. */
+int cli_debug_searched(const cli_session *s, rheo_result result, const rheo_error *error);
 /* Moves to a step. A fork is not run on. */
 int cli_debug_seek(cli_session *s, uint64_t step);
 /* Moves after a stage; NULL: the next one. A fork is run on by one step if it must be. */

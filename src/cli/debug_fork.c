@@ -116,6 +116,20 @@ int cli_debug_seek(cli_session *s, uint64_t step)
     return result == RHEO_OK ? CLI_DONE : cli_file_error(s->file, result, &error);
 }
 
+int cli_debug_find(cli_session *s, const char *condition, const rheo_find_options *options, rheo_search *found)
+{
+    rheo_player *player;
+    rheo_error error = {""};
+    *found = (rheo_search){.hits = 0};
+    const int status = take_player(s, &player);
+    if (status != CLI_DONE)
+        return status;
+    const rheo_result result = rheo_player_find(player, condition, options, found, &error);
+    if (result == RHEO_OK && found->hits && s->fork.tip)
+        s->fork.at_tip = found->found.step == cli_debug_last(s);
+    return cli_debug_searched(s, result, &error);
+}
+
 int cli_debug_seek_stage(cli_session *s, uint64_t step, const char *stage)
 {
     const bool at_tip = s->fork.tip && s->fork.at_tip;

@@ -287,20 +287,12 @@ int cli_debug_why(cli_session *s, const char *text)
 
 /* ---- Searches ---- */
 
-static int search(cli_session *s, const char *condition, const rheo_find_options *options, rheo_search *found)
+int cli_debug_searched(const cli_session *s, rheo_result result, const rheo_error *error)
 {
-    rheo_player *player;
-    rheo_error error = {""};
-    const int status = open_player(s, &player);
-    *found = (rheo_search){.hits = 0};
-    if (status != CLI_DONE)
-        return status;
-    const rheo_result result = rheo_player_find(player, condition, options, found, &error);
-    rheo_player_close(player);
     if (result == RHEO_ERROR_STOPPED || (result == RHEO_OK && cli_interrupted()))
         return cli_fail(CLI_INTERRUPTED, "interrupted; this is still step %llu",
                         (unsigned long long)rheo_world_step_count(cli_debug_world(s)));
-    return result == RHEO_OK ? CLI_DONE : cli_file_error(s->file, result, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(s->file, result, error);
 }
 
 static int none_found(const rheo_search *found, const char *where)
@@ -308,15 +300,6 @@ static int none_found(const rheo_search *found, const char *where)
     return found->looked ? cli_fail(CLI_BAD, "does not hold in steps %llu to %llu%s",
                                     (unsigned long long)found->first, (unsigned long long)found->last, where)
                          : cli_fail(CLI_BAD, "does not hold%s", where);
-}
-
-static int go_to(cli_session *s, const rheo_found *found)
-{
-    char text[CLI_FOUND];
-    const int status = cli_debug_seek(s, found->step);
-    if (status == CLI_DONE)
-        puts(cli_found_text(found, text));
-    return status;
 }
 
 static bool print_found(void *data, const rheo_found *found)
@@ -335,39 +318,61 @@ static int check_condition(const char *command, const char *text)
 int cli_debug_when(cli_session *s, const char *text)
 {
     const rheo_find_options options = {.which = RHEO_FIND_ALL, .receiver = print_found};
+    rheo_recording *recording;
     rheo_search found;
+    rheo_error error = {""};
     int status = check_condition("when", text);
-    if (status == CLI_DONE && (status = search(s, text, &options, &found)) == CLI_DONE && !found.hits)
-        return none_found(&found, "");
+    if (status == CLI_DONE && (status = cli_debug_recording(s, &recording)) == CLI_DONE)
+        status = cli_debug_searched(s, rheo_recording_find(recording, text, &options, &found, &error), &error);
+    return status == CLI_DONE && !found.hits ? none_found(&found, "") : status;
+}
+
+/* Goes to a place, and prints it. */
+static int go_to(cli_session *s, const char *condition, const rheo_find_options *options, rheo_search *found)
+{
+    const int status = cli_debug_find(s, condition, options, found);
+    if (status == CLI_DONE && found->hits)
+        print_found(NULL, &found->found);
     return status;
 }
 
-/* A fork has only the steps that were run; it is run on, some at a time, as far as the recording goes. */
+/* Runs the fork on to the first step at which a condition holds, as far as the recording goes. */
+static int run_until(cli_session *s, const char *condition, bool *holds)
+{
+    rheo_found found;
+    rheo_error error = {""};
+    *holds = false;
+    while (!*holds && cli_debug_last(s) < s->info.last_step) {
+        int status = cli_debug_run_on(s, 1);
+        if (status == CLI_DONE)
+            status = cli_debug_searched(s, rheo_world_holds(s->fork.tip, condition, holds, &found, &error), &error);
+        if (status != CLI_DONE)
+            return status;
+    }
+    if (*holds)
+        print_found(NULL, &found);
+    return CLI_DONE;
+}
+
 int cli_debug_until(cli_session *s, const char *text)
 {
-    enum { SOME = 16 };
-    const uint64_t here = rheo_world_step_count(cli_debug_world(s)), end = s->info.last_step;
-    uint64_t after = here;
+    const uint64_t here = rheo_world_step_count(cli_debug_world(s));
+    const rheo_find_options options = {.which = RHEO_FIND_FIRST, .has_after = true, .after = here};
     rheo_search found = {.hits = 0};
+    bool holds = false;
     int status = check_condition("until", text);
-    if (status == CLI_DONE && !s->fork.tip && here == end)
+    if (status == CLI_DONE && !s->fork.tip && here == cli_debug_last(s))
         return cli_fail(CLI_BAD, "step %llu is the last", (unsigned long long)here);
-    while (status == CLI_DONE) {
-        const uint64_t last = cli_debug_last(s);
-        const rheo_find_options options = {.which = RHEO_FIND_FIRST, .has_after = true, .after = after};
-        if (last > after && (status = search(s, text, &options, &found)) == CLI_DONE && found.hits)
-            return go_to(s, &found.found);
-        if (status == CLI_DONE && (!s->fork.tip || last >= end)) {
-            found.first = here + 1;
-            status = cli_debug_seek(s, here);
-            return status != CLI_DONE ? status
-                                      : none_found(&found, s->fork.tip ? ", as far as the recording goes" : "");
-        }
-        after = last;
-        if (status == CLI_DONE)
-            status = cli_debug_run_on(s, end - last < SOME ? end - last : SOME);
-    }
-    return status;
+    if (status == CLI_DONE && here < cli_debug_last(s))
+        status = go_to(s, text, &options, &found);
+    if (status != CLI_DONE || found.hits || !s->fork.tip)
+        return status != CLI_DONE || found.hits ? status : none_found(&found, "");
+    found = (rheo_search){.looked = true, .first = here + 1, .last = s->info.last_step};
+    status = run_until(s, text, &holds);
+    if (status != CLI_DONE || holds)
+        return status;
+    status = cli_debug_seek(s, here);
+    return status == CLI_DONE ? none_found(&found, ", as far as the recording goes") : status;
 }
 
 int cli_debug_back_until(cli_session *s, const char *text)
@@ -379,7 +384,7 @@ int cli_debug_back_until(cli_session *s, const char *text)
     int status = check_condition("back until", text);
     if (status == CLI_DONE && options.before == cli_debug_first(s))
         return cli_fail(CLI_BAD, "step %llu is the first", (unsigned long long)options.before);
-    if (status == CLI_DONE && (status = search(s, text, &options, &found)) == CLI_DONE)
-        return found.hits ? go_to(s, &found.found) : none_found(&found, "");
+    if (status == CLI_DONE && (status = go_to(s, text, &options, &found)) == CLI_DONE && !found.hits)
+        return none_found(&found, "");
     return status;
 }

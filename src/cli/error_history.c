@@ -20,6 +20,7 @@
 
 #include "cli/error.h"
 #include "cli/error_start.h"
+#include "cli/error_trials.h"
 
 static const double STEP = .033; /* of the built-in scenes */
 static const double ORDER[] = {.2, .5, .8};
@@ -323,6 +324,11 @@ int cli_error_history(cli_bench_arguments *a, cli_error_points *points)
 {
     cost memory[MEMORIES];
     sampled s = {.steps = (size_t)(a->steps ? a->steps : STEPS)};
+    bool any = false;
+    for (size_t i = 0; i < CLI_SIGNALS; i++)
+        any = cli_case_wanted(a, cli_signal_list[i].name) || any;
+    if (!any)
+        return CLI_DONE;
     const size_t most = (s.steps << (HALVINGS - 1)) + 1;
     s.velocity = malloc(4 * most * sizeof *s.velocity);
     if (!s.velocity)
@@ -336,6 +342,8 @@ int cli_error_history(cli_bench_arguments *a, cli_error_points *points)
         for (size_t q = 0; q < ORDERS && status == CLI_DONE; q++) {
             s.signal = &cli_signal_list[i];
             s.order = ORDER[q];
+            if (!cli_case_wanted(a, s.signal->name))
+                continue;
             find_exact(&s);
             if (!(s.largest > 0))
                 continue; /* it has not begun */

@@ -228,8 +228,9 @@ int cli_error_number(cli_bench_arguments *a, cli_error_points *points)
         const rheo_model model = scene.world.model;
         const bool wanted = !a->model || strcmp(a->model, rheo_model_name(model)) == 0;
         rheo_scene_release(&scene);
-        if (wanted && cli_case_wanted(a, name))
-            status = try_scene(name, model, a, points);
+        if (!wanted || !cli_case_wanted(a, name))
+            continue;
+        status = try_scene(name, model, a, points);
         if (cli_progress_due(&a->progress, cli_now()))
             cli_progress_say(&a->progress, cli_now(), "%s (%zu of %zu)", name, i + 1, rheo_scene_builtin_count());
     }

@@ -139,6 +139,11 @@ int cli_error_springs(cli_bench_arguments *a, cli_error_points *points)
     rheo_scene scene;
     cli_settled from = {0};
     rheo_error error = {""};
+    bool any = false;
+    for (size_t k = 0; k < CASE_COUNT; k++)
+        any = cli_case_wanted(a, CASES[k].name) || any;
+    if (!any)
+        return CLI_DONE;
     rheo_result result = cli_pool_scene(&scene, 14, 8, 14, &error);
     if (result != RHEO_OK)
         return cli_error(result, &error);

@@ -259,7 +259,12 @@ int cli_try(const cli_case *c, const cli_setting *settings, size_t count, cli_be
 
 bool cli_case_wanted(const cli_bench_arguments *a, const char *name)
 {
-    return !a->scenes || cli_error_list_has(a->scenes, name);
+    if (!a->cases)
+        return !a->scenes || cli_error_list_has(a->scenes, name);
+    const size_t length = strlen(a->cases);
+    if (!cli_error_list_has(a->cases, name))
+        snprintf(a->cases + length, CLI_CASE_NAMES - length, "%s%s", length ? "," : "", name);
+    return false;
 }
 
 int cli_try_cases(const cli_named_case *cases, size_t count, cli_bench_arguments *a, cli_error_points *points)

@@ -86,6 +86,8 @@ typedef struct cli_named_case {
 } cli_named_case;
 
 /* Whether --scenes, if it was given, names the case. */
+/* Room for the names of all cases. */
+enum { CLI_CASE_NAMES = 2048 };
 bool cli_case_wanted(const cli_bench_arguments *a, const char *name);
 /* Runs the cases that --scenes names, or all. */
 int cli_try_cases(const cli_named_case *cases, size_t count, cli_bench_arguments *a, cli_error_points *points);

@@ -130,18 +130,15 @@ static int inspect(cli_view *v, bool json)
 
 static int run(int argc, char **argv)
 {
-    bool json = false;
+    bool cost = false, json = false;
     cli_number step = {false, 0}, top = {false, DEFAULT_TOP};
     cli_list particle = {0}, spring = {0};
     cli_view v = {0};
     const cli_option options[] = {
-        {"--step", NULL, "N", CLI_NUMBER, &step},
-        {"--stage", NULL, "NAME", CLI_TEXT, &v.stage},
-        {"--particle", NULL, "ID", CLI_LIST, &particle},
-        {"--spring", NULL, "A:B", CLI_LIST, &spring},
-        {"--top", NULL, "N", CLI_NUMBER, &top},
-        {"--json", NULL, NULL, CLI_FLAG, &json},
-        {0},
+        {"--step", NULL, "N", CLI_NUMBER, &step},        {"--stage", NULL, "NAME", CLI_TEXT, &v.stage},
+        {"--particle", NULL, "ID", CLI_LIST, &particle}, {"--spring", NULL, "A:B", CLI_LIST, &spring},
+        {"--top", NULL, "N", CLI_NUMBER, &top},          {"--cost", NULL, NULL, CLI_FLAG, &cost},
+        {"--json", NULL, NULL, CLI_FLAG, &json},         {0},
     };
     int status = cli_parse(&cli_inspect, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -161,6 +158,8 @@ static int run(int argc, char **argv)
     if (v.failed)
         rheo_failure_message(&v.failure, v.why, sizeof v.why);
     status = inspect(&v, json);
+    if (cost)
+        cli_say_cost((cli_cost){.seconds = 0});
     rheo_recording_close(v.recording);
     return status;
 }

@@ -243,6 +243,22 @@ static int measure(cli_measurement *r, const cli_instrument *instrument, int cou
     return status;
 }
 
+/* Makes the folder, and refuses one in which the files cannot be written. Without names, all protocols are measured. */
+static int check_files(cli_measurement *r, const cli_instrument *instrument, const char *folder, int count,
+                       char **names)
+{
+    int status = cli_make_folder(folder);
+    r->prefix = instrument->prefix;
+    for (const cli_protocol *p = instrument->protocol; p->name && status == CLI_DONE; p++) {
+        bool wanted = count == 0;
+        for (int k = 0; k < count; k++)
+            wanted = wanted || strcmp(names[k], p->name) == 0;
+        if (wanted)
+            status = cli_rheometer_check_files(r, p->name, folder);
+    }
+    return status;
+}
+
 static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv)
 {
     const cli_instrument *instrument = instrument_of(a, r);
@@ -254,7 +270,7 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
     if (status == CLI_DONE)
         status = instrument->check(r);
     if (status == CLI_DONE && a->folder)
-        status = cli_make_folder(a->folder);
+        status = check_files(r, instrument, a->folder, argc - 1, argv + 1);
     if (status != CLI_DONE) {
         if (a->json)
             cli_rheometer_json(r, instrument, status);
@@ -263,7 +279,6 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
     cli_watch_signals();
     cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
     r->progress = &progress;
-    r->prefix = instrument->prefix;
     r->seeds = (uint32_t)a->seeds.value;
     status = measure(r, instrument, argc - 1, argv + 1);
     cli_progress_end(&progress);

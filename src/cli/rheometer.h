@@ -146,6 +146,8 @@ void cli_put_flow_law(cli_table *table, const char *of, const double *rate, cons
 void cli_rheometer_print(const cli_measurement *measurement, const cli_instrument *instrument, int status);
 void cli_rheometer_json(const cli_measurement *measurement, const cli_instrument *instrument, int status);
 /* Writes PREFIX-NAME.csv and .svg of each table into a folder. Returns an exit code. */
+/* Refuses a folder in which the files of a protocol cannot be written. */
+int cli_rheometer_check_files(const cli_measurement *measurement, const char *protocol, const char *folder);
 int cli_rheometer_write(const cli_measurement *measurement, const char *folder);
 
 #endif

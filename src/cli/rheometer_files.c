@@ -4,16 +4,32 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/steps.h"
+
 enum { MOST_CURVES = 32 };
 
 /* FOLDER/PROTOCOL.csv of the block; others are named after their instrument, too. */
-static int path_of(const cli_measurement *m, const cli_table *t, const char *folder, const char *ending, char *path,
-                   size_t size)
+enum { PATH = 4096 + 64 };
+
+static int path_of(const cli_measurement *m, const char *protocol, const char *folder, const char *ending,
+                   char path[PATH])
 {
     const int length =
-        snprintf(path, size, "%s/%s%s%s%s", folder, m->prefix, t->name, m->small ? "-small" : "", ending);
-    return length < (int)size ? CLI_DONE
-                              : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
+        snprintf(path, PATH, "%s/%s%s%s%s", folder, m->prefix, protocol, m->small ? "-small" : "", ending);
+    return length < PATH ? CLI_DONE : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
+}
+
+int cli_rheometer_check_files(const cli_measurement *m, const char *protocol, const char *folder)
+{
+    static const char *const ENDINGS[] = {".csv", ".svg"};
+    int status = CLI_DONE;
+    for (size_t i = 0; i < 2 && status == CLI_DONE; i++) {
+        char path[PATH];
+        if ((status = path_of(m, protocol, folder, ENDINGS[i], path)) == CLI_DONE &&
+            (status = cli_refuse_existing(path, true)) == CLI_DONE)
+            status = cli_check_folder(path);
+    }
+    return status;
 }
 
 static void put_rows(FILE *file, const void *data)
@@ -99,8 +115,8 @@ static bool draw(const cli_table *t, const struct cli_table_panel *of, drawing *
 
 static int write_plot(const cli_measurement *r, const cli_table *t, const char *folder)
 {
-    char path[1024], title[160];
-    int status = path_of(r, t, folder, ".svg", path, sizeof path);
+    char path[PATH], title[160];
+    int status = path_of(r, t->name, folder, ".svg", path);
     if (status != CLI_DONE)
         return status;
     snprintf(title, sizeof title, "rheometer: %s of %s", t->name, r->scene_name);
@@ -123,9 +139,9 @@ int cli_rheometer_write(const cli_measurement *r, const char *folder)
 {
     int status = CLI_DONE;
     for (uint32_t i = 0; i < r->tables && status == CLI_DONE; i++) {
-        char path[1024];
+        char path[PATH];
         const cli_table *t = &r->table[i];
-        status = path_of(r, t, folder, ".csv", path, sizeof path);
+        status = path_of(r, t->name, folder, ".csv", path);
         if (status == CLI_DONE)
             status = cli_write_file(path, put_rows, t);
         if (status == CLI_DONE && t->panels && t->rows)

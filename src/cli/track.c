@@ -10,7 +10,7 @@ enum { MOST_FIELDS = 64 };
 typedef struct arguments {
     const char *file, *spring, *probe, *field, *simd;
     cli_number particle;
-    bool ball, history, stages, json;
+    bool ball, history, stages, cost, json;
     cli_steps steps;
     rheo_recording *recording;
     cli_followed track;
@@ -274,6 +274,7 @@ static int run(int argc, char **argv)
         {"--from", NULL, "N", CLI_NUMBER, &a.steps.from},
         {"--to", NULL, "N", CLI_NUMBER, &a.steps.to},
         {"--stages", NULL, NULL, CLI_FLAG, &a.stages},
+        {"--cost", NULL, NULL, CLI_FLAG, &a.cost},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},
         {0},
@@ -285,6 +286,8 @@ static int run(int argc, char **argv)
     if ((status = check_usage(&a, argc)) == CLI_DONE && (status = cli_use_simd(a.simd)) == CLI_DONE &&
         (status = cli_open_recording(a.file, &a.recording)) == CLI_DONE)
         status = follow(&a);
+    if (a.cost)
+        cli_say_cost((cli_cost){.seconds = 0});
     rheo_recording_close(a.recording);
     return status;
 }

@@ -154,3 +154,19 @@ void cli_watch_end(void)
 {
     cli_progress_end(&watch.progress);
 }
+
+cli_cost cli_cost_now(void)
+{
+    return (cli_cost){rheo_work_done(), (double)clock() / CLOCKS_PER_SEC};
+}
+
+void cli_say_cost(cli_cost since)
+{
+    const cli_cost now = cli_cost_now();
+    const unsigned long long steps = now.work.steps - since.work.steps, states = now.work.states - since.work.states;
+    char seconds[32];
+    rheo_number_brief(now.seconds - since.seconds, 2, seconds);
+    fflush(stdout);
+    fprintf(stderr, "cost: %llu step%s simulated, %llu state%s read, %s s of CPU time\n", steps, cli_plural(steps),
+            states, cli_plural(states), seconds);
+}

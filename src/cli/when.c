@@ -5,7 +5,7 @@
 
 typedef struct when {
     const char *file, *condition, *stage, *simd;
-    bool first, last, all, json;
+    bool first, last, all, cost, json;
     cli_number after, before;
     rheo_search search;
 } when;
@@ -64,6 +64,8 @@ static void print_end(const when *w, int status)
     rheo__json_integer(&json, "hits", s->hits);
     rheo__json_known_integer(&json, "first_looked", s->looked, s->first);
     rheo__json_known_integer(&json, "last_looked", s->looked, s->last);
+    rheo__json_integer(&json, "steps_simulated", rheo_work_done().steps);
+    rheo__json_integer(&json, "states_read", rheo_work_done().states);
     rheo__json_text(&json, "reason", status == CLI_DONE ? NULL : cli_said());
     rheo__json_end_object(&json);
 }
@@ -71,7 +73,6 @@ static void print_end(const when *w, int status)
 static int search(when *w, rheo_recording *recording)
 {
     rheo_error error = {""};
-    rheo_player *player = NULL;
     const rheo_find_options options = {.which = w->last  ? RHEO_FIND_LAST
                                                 : w->all ? RHEO_FIND_ALL
                                                          : RHEO_FIND_FIRST,
@@ -85,10 +86,7 @@ static int search(when *w, rheo_recording *recording)
     char text[80];
     cli_watch_signals();
     cli_watch_name(w->file);
-    rheo_result result = rheo_player_open(recording, NULL, &player, &error);
-    if (result == RHEO_OK)
-        result = rheo_player_find(player, w->condition, &options, &w->search, &error);
-    rheo_player_close(player);
+    const rheo_result result = rheo_recording_find(recording, w->condition, &options, &w->search, &error);
     if (result == RHEO_ERROR_STOPPED || (result == RHEO_OK && cli_interrupted())) {
         if (w->last && w->search.hits && result == RHEO_ERROR_STOPPED)
             receive(w, &w->search.found); /* the last so far */
@@ -117,15 +115,11 @@ static int run(int argc, char **argv)
 {
     when w = {.file = NULL};
     const cli_option options[] = {
-        {"--first", NULL, NULL, CLI_FLAG, &w.first},
-        {"--last", NULL, NULL, CLI_FLAG, &w.last},
-        {"--all", NULL, NULL, CLI_FLAG, &w.all},
-        {"--after", NULL, "S", CLI_NUMBER, &w.after},
-        {"--before", NULL, "S", CLI_NUMBER, &w.before},
-        {"--stage", NULL, "NAME", CLI_TEXT, &w.stage},
-        {"--simd", NULL, "NAME", CLI_TEXT, &w.simd},
-        {"--json", NULL, NULL, CLI_FLAG, &w.json},
-        {0},
+        {"--first", NULL, NULL, CLI_FLAG, &w.first},    {"--last", NULL, NULL, CLI_FLAG, &w.last},
+        {"--all", NULL, NULL, CLI_FLAG, &w.all},        {"--after", NULL, "S", CLI_NUMBER, &w.after},
+        {"--before", NULL, "S", CLI_NUMBER, &w.before}, {"--stage", NULL, "NAME", CLI_TEXT, &w.stage},
+        {"--cost", NULL, NULL, CLI_FLAG, &w.cost},      {"--simd", NULL, "NAME", CLI_TEXT, &w.simd},
+        {"--json", NULL, NULL, CLI_FLAG, &w.json},      {0},
     };
     rheo_recording *recording = NULL;
     int status = cli_parse(&cli_when, options, &argc, argv);
@@ -138,6 +132,8 @@ static int run(int argc, char **argv)
         status = search(&w, recording);
     if (w.json)
         print_end(&w, status);
+    if (w.cost)
+        cli_say_cost((cli_cost){.seconds = 0});
     rheo_recording_close(recording);
     return status == CLI_DONE && !w.search.hits ? CLI_DIFFERS : status;
 }

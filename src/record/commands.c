@@ -160,18 +160,21 @@ static void box_of(const rheo__command *c, size_t real_bytes, double min[3], dou
     }
 }
 
-static const char *vector_text(const double v[3], char text[128])
+/* Three numbers of at most 31 letters, two commas with blanks, and brackets. */
+enum { VECTOR_TEXT = 3 * 31 + 6 + 1 };
+
+static const char *vector_text(const double v[3], char text[VECTOR_TEXT])
 {
     char number[3][32];
     for (int axis = 0; axis < 3; axis++)
         rheo__text_brief(v[axis], 6, false, number[axis]);
-    snprintf(text, 128, "[%s, %s, %s]", number[0], number[1], number[2]);
+    snprintf(text, VECTOR_TEXT, "[%s, %s, %s]", number[0], number[1], number[2]);
     return text;
 }
 
 static void tell_particles(rheo_command *c)
 {
-    char min[128], max[128], of[32] = "";
+    char min[VECTOR_TEXT], max[VECTOR_TEXT], of[32] = "";
     vector_text(c->min, min);
     vector_text(c->max, max);
     if (c->index)
@@ -186,7 +189,7 @@ static void tell_particles(rheo_command *c)
 
 static void tell(rheo_command *c)
 {
-    char vector[128], point[128], x[32], z[32];
+    char vector[VECTOR_TEXT], point[VECTOR_TEXT], x[32], z[32];
     switch (c->kind) {
     case RHEO_COMMAND_SET:
         snprintf(c->text, sizeof c->text, "%s was set to %s", c->path, c->value);

@@ -14,9 +14,14 @@
 #include "record/predicate.h"
 #include "record/recording.h"
 
+/* States that a search for the last place keeps in an interval, one after the other. */
+enum { MOST_KEPT = 8 };
+
 typedef struct finder {
     rheo_recording *r;
-    rheo_player *player;
+    rheo_player *player; /* NULL: the condition is about metrics only */
+    bool keeps;          /* states, so that the last place is reached soon */
+    uint64_t apart;      /* the steps between these */
     const rheo_find_options *options;
     rheo_search *search;
     rheo__predicate condition;
@@ -42,12 +47,11 @@ static uint32_t telling_term(const finder *f)
     return 0;
 }
 
-static void report(finder *f, uint64_t step, const char *stage)
+static void describe(const finder *f, uint64_t step, const char *stage, rheo_found *found)
 {
     const uint32_t term = telling_term(f);
     const rheo__term *t = &f->condition.term[term];
     const rheo__outcome *o = &f->outcome[term];
-    rheo_found *found = &f->search->found;
     *found = (rheo_found){.step = step, .id = o->id, .other_id = o->other, .value = o->value};
     rheo__text_print(found->stage, sizeof found->stage, "%s", stage);
     rheo__text_print(found->quantity, sizeof found->quantity, "%s", t->name);
@@ -58,6 +62,14 @@ static void report(finder *f, uint64_t step, const char *stage)
                          (unsigned long long)o->other);
     else if (t->about == RHEO__ABOUT_BALL)
         rheo__text_print(found->item, sizeof found->item, "ball");
+}
+
+static void report(finder *f, uint64_t step, const char *stage)
+{
+    rheo_found *found = &f->search->found;
+    describe(f, step, stage, found);
+    if (f->keeps)
+        rheo__player_keep_found(f->player);
     f->search->hits = f->options->which == RHEO_FIND_ALL ? f->search->hits + 1 : 1;
     if (f->options->which == RHEO_FIND_LAST)
         return; /* a later one may follow */
@@ -104,6 +116,8 @@ static rheo_result look_at_step(finder *f, uint64_t step, rheo_error *error)
     RHEO__TRY(read_metrics(f, step, error));
     if (rheo__predicate_truth(&f->condition, f->outcome) == RHEO__UNKNOWN) {
         RHEO__TRY(rheo_player_seek(f->player, step, error));
+        if (f->keeps)
+            rheo__player_keep(f->player, f->apart);
         RHEO__TRY(rheo__predicate_items(&f->condition, rheo_player_world(f->player), f->outcome, error));
     }
     if (rheo__predicate_truth(&f->condition, f->outcome) == RHEO__TRUE)
@@ -125,6 +139,8 @@ static rheo_result look_into_step(finder *f, uint64_t step, rheo_error *error)
 {
     const bool fails = f->r->has_failure && step == f->r->failure.step;
     RHEO__TRY(rheo_player_seek(f->player, step - 1, error));
+    if (f->keeps)
+        rheo__player_keep(f->player, f->apart);
     uint32_t stage;
     const rheo_world *world = rheo_player_world(f->player);
     do {
@@ -152,6 +168,7 @@ static rheo_result search_interval(finder *f, uint64_t from, uint64_t to, rheo_e
 {
     uint64_t last = to;
     bool any = true;
+    f->apart = (to - from) / MOST_KEPT + 1;
     if (!f->options->stage)
         RHEO__TRY(last_open_step(f, from, to, &last, &any, error));
     for (uint64_t step = from; any && step <= last && !f->stopped; step++)
@@ -206,26 +223,24 @@ static rheo_result set_range(finder *f, rheo_error *error)
 }
 
 /* Number of particles that the recording has in the end. */
-static rheo_result count_particles(finder *f, uint64_t *count, rheo_error *error)
+static rheo_result count_particles(rheo_recording *r, uint64_t *count, rheo_error *error)
 {
     rheo_command command;
-    *count = f->r->keyframes[0].particles;
-    for (uint64_t i = 0; i < rheo_recording_command_count(f->r); i++) {
-        RHEO__TRY(rheo_recording_command(f->r, i, &command, error));
+    *count = r->keyframes[0].particles;
+    for (uint64_t i = 0; i < rheo_recording_command_count(r); i++) {
+        RHEO__TRY(rheo_recording_command(r, i, &command, error));
         *count += command.kind == RHEO_COMMAND_ADD_PARTICLES ? command.count : 0;
     }
     return RHEO_OK;
 }
 
-/* Refuses a metric with a stage, and particles that the recording never has. */
-static rheo_result check(finder *f, rheo_error *error)
+/* Refuses a metric with a stage, and things that there never are. */
+static rheo_result check(const rheo__predicate *condition, const rheo_world *world, uint64_t particles,
+                         const char *stage, rheo_error *error)
 {
-    const rheo_world *world = rheo_player_world(f->player);
-    uint64_t most;
-    RHEO__TRY(count_particles(f, &most, error));
-    for (uint32_t i = 0; i < f->condition.terms; i++) {
-        const rheo__term *t = &f->condition.term[i];
-        if (f->options->stage && t->about == RHEO__ABOUT_METRIC)
+    for (uint32_t i = 0; i < condition->terms; i++) {
+        const rheo__term *t = &condition->term[i];
+        if (stage && t->about == RHEO__ABOUT_METRIC)
             return rheo__fail(
                 error, RHEO_ERROR_ARGUMENT,
                 "%s is a metric, which belongs to the end of a step; with a stage ask about particles, springs or "
@@ -236,30 +251,99 @@ static rheo_result check(finder *f, rheo_error *error)
         if (t->about == RHEO__ABOUT_SPRING && !rheo__state_has(&world->state, RHEO__FIELD_spring_ends))
             return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the recording has no springs");
         const uint64_t id = t->other > t->id ? t->other : t->id;
-        if ((t->about == RHEO__ABOUT_PARTICLE || t->about == RHEO__ABOUT_SPRING) && !t->any && id >= most)
+        if ((t->about == RHEO__ABOUT_PARTICLE || t->about == RHEO__ABOUT_SPRING) && !t->any && id >= particles)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                               "the recording has no particle %llu; its particles are 0 to %llu",
-                              (unsigned long long)id, (unsigned long long)(most - (most > 0)));
+                              (unsigned long long)id, (unsigned long long)(particles - (particles > 0)));
     }
     return RHEO_OK;
 }
 
+/* Whether a condition is about metrics only, so that a search needs no world. */
+static bool is_of_metrics(const char *condition, const rheo_recording *r, const rheo_find_options *options)
+{
+    rheo__predicate ignored;
+    return !options->stage && rheo__predicate_parse(condition, r, NULL, &ignored, NULL) == RHEO_OK;
+}
+
+static rheo_result search_for(finder *f, const char *condition, rheo_error *error)
+{
+    const rheo_world *world = f->player ? rheo_player_world(f->player) : NULL;
+    uint64_t particles;
+    RHEO__TRY(rheo__predicate_parse(condition, f->r, world, &f->condition, error));
+    RHEO__TRY(count_particles(f->r, &particles, error));
+    RHEO__TRY(check(&f->condition, world, particles, f->options->stage, error));
+    if (f->options->stage)
+        RHEO__TRY(rheo__player_check_stage(f->player, f->options->stage, error));
+    RHEO__TRY(set_range(f, error));
+    f->metrics = malloc((f->r->head.metric_count + 1) * sizeof *f->metrics);
+    if (!f->metrics)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the metrics of a step");
+    const rheo_result result = search_all(f, error);
+    free(f->metrics);
+    return result;
+}
+
+rheo_result rheo_recording_find(rheo_recording *r, const char *condition, const rheo_find_options *options,
+                                rheo_search *search, rheo_error *error)
+{
+    const rheo_find_options usual = rheo_default_find_options();
+    finder f = {.r = r, .options = options ? options : &usual, .search = search};
+    *search = (rheo_search){0};
+    if (!is_of_metrics(condition, r, f.options))
+        RHEO__TRY(rheo_player_open(r, NULL, &f.player, error));
+    const rheo_result result = search_for(&f, condition, error);
+    rheo_player_close(f.player);
+    return result;
+}
+
+static rheo_result go_to(rheo_player *player, const rheo_found *found, rheo_error *error)
+{
+    return *found->stage ? rheo_player_seek_stage(player, found->step, found->stage, error)
+                         : rheo_player_seek(player, found->step, error);
+}
+
+/* The search goes with another player, so that this one stays where it is if nothing is found. */
 rheo_result rheo_player_find(rheo_player *player, const char *condition, const rheo_find_options *options,
                              rheo_search *search, rheo_error *error)
 {
     const rheo_find_options usual = rheo_default_find_options();
     rheo_recording *r = rheo__player_recording(player);
-    finder f = {.r = r, .player = player, .options = options ? options : &usual, .search = search};
+    finder f = {.r = r, .options = options ? options : &usual, .search = search};
     *search = (rheo_search){0};
-    RHEO__TRY(rheo__predicate_parse(condition, r, rheo_player_world(player), &f.condition, error));
-    RHEO__TRY(check(&f, error));
-    if (f.options->stage)
-        RHEO__TRY(rheo__player_check_stage(player, f.options->stage, error));
-    RHEO__TRY(set_range(&f, error));
-    f.metrics = malloc((r->head.metric_count + 1) * sizeof *f.metrics);
+    if (!is_of_metrics(condition, r, f.options))
+        RHEO__TRY(rheo__player_copy(player, &f.player, error));
+    f.keeps = f.player && f.options->which == RHEO_FIND_LAST;
+    rheo_result result = search_for(&f, condition, error);
+    const bool goes = result == RHEO_OK && search->hits && f.options->which != RHEO_FIND_ALL;
+    if (goes)
+        result = go_to(f.player ? f.player : player, &search->found, error);
+    if (goes && f.player && result == RHEO_OK)
+        rheo__player_take_over(player, f.player);
+    else
+        rheo_player_close(f.player);
+    return result;
+}
+
+rheo_result rheo_world_holds(const rheo_world *world, const char *condition, bool *holds, rheo_found *found,
+                             rheo_error *error)
+{
+    finder f = {.player = NULL};
+    *holds = false;
+    RHEO__TRY(rheo__predicate_parse(condition, NULL, world, &f.condition, error));
+    RHEO__TRY(check(&f.condition, world, rheo_world_particle_count(world), NULL, error));
+    const uint32_t count = rheo_world_metric_count(world);
+    f.metrics = malloc((count + 1) * sizeof *f.metrics);
     if (!f.metrics)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the metrics of a step");
-    const rheo_result result = search_all(&f, error);
+    for (uint32_t i = 0; i < count; i++)
+        f.metrics[i] = rheo_world_metric(world, i);
+    rheo__predicate_metrics(&f.condition, f.metrics, f.outcome);
     free(f.metrics);
-    return result;
+    if (rheo__predicate_truth(&f.condition, f.outcome) == RHEO__UNKNOWN)
+        RHEO__TRY(rheo__predicate_items(&f.condition, world, f.outcome, error));
+    *holds = rheo__predicate_truth(&f.condition, f.outcome) == RHEO__TRUE;
+    if (*holds)
+        describe(&f, rheo_world_step_count(world), "", found);
+    return RHEO_OK;
 }

@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/work.h"
+
 enum {
     BLOCK = 16384,    /* values */
     COUNTS = 0x10000, /* "field" of the counts: particles, bodies, vibrators, springs removed and added;
@@ -263,6 +265,7 @@ static uint64_t stored_number(const rheo__values *now, rheo__field_id field)
 rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
                                rheo_error *error)
 {
+    rheo__work_state();
     rheo__state *s = &world->state;
     bool history = rheo__state_has(s, RHEO__FIELD_history_rows),
          springs = rheo__state_has(s, RHEO__FIELD_spring_ends);

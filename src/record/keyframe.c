@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/work.h"
+
 static uint32_t index_of(const rheo__state *s, rheo__field_id field)
 {
     return rheo__field_index(s->present, field);
@@ -274,6 +276,7 @@ rheo_result rheo__keyframe_world(rheo_recording *r, const rheo__keyframe *k, con
                                  rheo_world **world, rheo_error *error)
 {
     *world = NULL;
+    rheo__work_state();
     RHEO__TRY(rheo__head_check_numbers(&r->head, error));
     rheo__values values = {0};
     rheo__pieces_reader pieces = pieces_of(r, k);

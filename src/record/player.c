@@ -1,7 +1,7 @@
 /*
  * Moving through a recording. The player's world is at the end of a step or between two stages of the next one. A
  * recording can only be played forwards, from the present state or from a keyframe. So that stepping back need not
- * start from the keyframe every time, states on the way are kept in memory.
+ * start from the keyframe every time, states on the way are kept in memory. A search keeps some, too.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -10,12 +10,13 @@
 #include "core/progress.h"
 #include "record/recording.h"
 
-enum { MOST_KEPT = 16 };
+/* States that steps back keep, and those of a search: the newest, and the newest before the last place that it found. */
+enum { MOST_KEPT = 16, KEPT_NEWEST = MOST_KEPT, KEPT_FOUND, KEPT_SLOTS };
 
 /* A checkpoint in memory. */
 typedef struct kept_state {
     uint64_t step;
-    void *bytes;
+    void *bytes; /* NULL: none */
     size_t size;
 } kept_state;
 
@@ -26,29 +27,31 @@ struct rheo_player {
     uint64_t step;  /* the last step that is complete; stages of the next may have run */
     bool commanded; /* the commands of the next step have been given */
     bool foreign;   /* a stage did not reproduce the recorded hashes: the world is not the recorded one */
-    kept_state kept[MOST_KEPT];
-    size_t kept_count;
+    kept_state kept[KEPT_SLOTS];
+    size_t kept_count; /* by steps back */
 };
 
 /* ---- States that are kept ---- */
 
+static void forget(kept_state *kept)
+{
+    free(kept->bytes);
+    kept->bytes = NULL;
+}
+
 static void forget_kept(rheo_player *p)
 {
-    for (size_t i = 0; i < p->kept_count; i++)
-        free(p->kept[i].bytes);
+    for (size_t i = 0; i < KEPT_SLOTS; i++)
+        forget(&p->kept[i]);
     p->kept_count = 0;
 }
 
-/* Keeps the present state. A failure to do so only costs time later. */
-static void keep(rheo_player *p)
+/* Keeps the present state. */
+static rheo_result keep(const rheo_player *p, kept_state *kept, rheo_error *error)
 {
-    rheo_error ignored;
-    kept_state *kept = &p->kept[p->kept_count];
-    if (p->kept_count < MOST_KEPT &&
-        rheo_world_save_memory(p->world, "", &kept->bytes, &kept->size, &ignored) == RHEO_OK) {
-        kept->step = p->step;
-        p->kept_count++;
-    }
+    forget(kept);
+    kept->step = p->step;
+    return rheo_world_save_memory(p->world, "", &kept->bytes, &kept->size, error);
 }
 
 static rheo_result load_kept(const rheo_player *p, const kept_state *kept, rheo_world **world, rheo_error *error)
@@ -72,8 +75,8 @@ static rheo_result load_before(rheo_player *p, uint64_t step, rheo_error *error)
 {
     const rheo__keyframe *keyframe = &p->r->keyframes[rheo__recording_nearest(p->r, step)];
     const kept_state *best = NULL;
-    for (size_t i = 0; i < p->kept_count; i++)
-        if (p->kept[i].step <= step && p->kept[i].step > (best ? best->step : keyframe->step))
+    for (size_t i = 0; i < KEPT_SLOTS; i++)
+        if (p->kept[i].bytes && p->kept[i].step <= step && p->kept[i].step > (best ? best->step : keyframe->step))
             best = &p->kept[i];
     rheo_world *world;
     RHEO__TRY(best ? load_kept(p, best, &world, error)
@@ -85,18 +88,39 @@ static rheo_result load_before(rheo_player *p, uint64_t step, rheo_error *error)
     return RHEO_OK;
 }
 
+/* Runs the remaining stages of a step that was begun. */
+static rheo_result finish_step(rheo_player *p, rheo_error *error)
+{
+    uint32_t stage;
+    do
+        RHEO__TRY(rheo_player_stage(p, &stage, error));
+    while (p->world->stage_runs_done > 0);
+    return RHEO_OK;
+}
+
+/* Whether a step was begun that leads to `step`, and no keyframe is nearer. */
+static bool is_on_the_way(const rheo_player *p, uint64_t step)
+{
+    return p->world->stage_runs_done > 0 && !p->foreign && p->step < step &&
+           p->step >= p->r->keyframes[rheo__recording_nearest(p->r, step)].step;
+}
+
 /* `stride`: number of steps from one state that is kept to the next; 0: keep none. */
 static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error *error)
 {
     RHEO__TRY(rheo__recording_check_step(p->r, step, error));
+    if (is_on_the_way(p, step))
+        RHEO__TRY(finish_step(p, error));
     if (!is_between_steps(p) || p->step > step || p->step < p->r->keyframes[rheo__recording_nearest(p->r, step)].step)
         RHEO__TRY(load_before(p, step, error));
     if (stride)
         forget_kept(p);
     const uint64_t from = p->step;
     while (p->step < step) {
-        if (stride && (step - p->step) % stride == 0)
-            keep(p);
+        if (stride && (step - p->step) % stride == 0 && p->kept_count < MOST_KEPT) {
+            rheo_error ignored; /* without it, later steps back only take longer */
+            p->kept_count += keep(p, &p->kept[p->kept_count], &ignored) == RHEO_OK;
+        }
         rheo_result result = rheo__recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world, error);
         if (result != RHEO_OK) {
             /* The world is in the middle of a step that is not the recorded one. */
@@ -158,14 +182,9 @@ rheo_result rheo_player_seek(rheo_player *p, uint64_t step, rheo_error *error)
 
 rheo_result rheo_player_step(rheo_player *p, rheo_error *error)
 {
-    const uint64_t next = p->step + 1;
-    uint32_t stage;
-    while (p->world->stage_runs_done > 0 && !p->foreign) {
-        RHEO__TRY(rheo_player_stage(p, &stage, error));
-        if (p->world->stage_runs_done == 0)
-            return RHEO_OK;
-    }
-    return go(p, next, 0, error);
+    if (p->world->stage_runs_done > 0 && !p->foreign)
+        return finish_step(p, error);
+    return go(p, p->step + 1, 0, error);
 }
 
 /*
@@ -356,4 +375,52 @@ rheo_result rheo_player_seek_stage(rheo_player *p, uint64_t step, const char *na
         done++;
     }
     return RHEO_OK;
+}
+
+/* ---- For searches (record/find.c) ---- */
+
+rheo_result rheo__player_copy(const rheo_player *p, rheo_player **copy, rheo_error *error)
+{
+    rheo_player *c = calloc(1, sizeof *c);
+    *copy = NULL;
+    if (!c)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a player");
+    c->r = p->r;
+    c->allocator = p->allocator;
+    rheo_result result = is_between_steps(p) ? keep(p, &c->kept[KEPT_NEWEST], error) : RHEO_OK;
+    if (result == RHEO_OK)
+        result = load_before(c, p->step, error);
+    forget_kept(c);
+    if (result == RHEO_OK)
+        *copy = c;
+    else
+        rheo_player_close(c);
+    return result;
+}
+
+void rheo__player_take_over(rheo_player *p, rheo_player *from)
+{
+    const rheo_player before = *p;
+    *p = *from;
+    *from = before;
+    rheo_player_close(from);
+}
+
+void rheo__player_keep(rheo_player *p, uint64_t apart)
+{
+    kept_state *newest = &p->kept[KEPT_NEWEST];
+    rheo_error ignored; /* without it, the way to the place only takes longer */
+    if (is_between_steps(p) && (p->step < newest->step || p->step - newest->step >= apart) &&
+        keep(p, newest, &ignored) != RHEO_OK)
+        forget(newest);
+}
+
+void rheo__player_keep_found(rheo_player *p)
+{
+    kept_state *newest = &p->kept[KEPT_NEWEST], *found = &p->kept[KEPT_FOUND];
+    if (!newest->bytes)
+        return;
+    forget(found);
+    *found = *newest;
+    newest->bytes = NULL; /* its step stays, so that the next is kept as far from it */
 }

@@ -18,10 +18,10 @@
 enum { MOST_DEPTH = 16 };
 
 typedef struct parser {
-    const char *text, *at; /* `at`: the word that is next */
-    size_t length;         /* of it; 0 at the end */
-    const rheo_recording *recording;
-    const rheo_world *world;
+    const char *text, *at;           /* `at`: the word that is next */
+    size_t length;                   /* of it; 0 at the end */
+    const rheo_recording *recording; /* NULL: metrics are those of the world */
+    const rheo_world *world;         /* NULL: there may be metrics only */
     rheo__predicate *condition;
     int depth;
     rheo_error *error;
@@ -104,6 +104,8 @@ static rheo_result read_id(parser *p, uint32_t *id)
 /* The item that a comparison is about; without one it is a metric. */
 static rheo_result read_item(parser *p, rheo__term *t)
 {
+    if (!p->world && (is_word(p, "any") || is_word(p, "particle") || is_word(p, "spring") || is_word(p, "ball")))
+        return refuse(p, "there may be metrics only");
     t->any = take(p, "any");
     if (take(p, "particle")) {
         t->about = RHEO__ABOUT_PARTICLE;
@@ -134,13 +136,19 @@ static rheo_result read_item(parser *p, rheo__term *t)
     return RHEO_OK;
 }
 
-/* A metric is known by the recording. */
+static const char *metric_name(const parser *p, uint32_t index)
+{
+    return p->recording ? rheo_recording_metric_name(p->recording, index) : rheo_world_metric_name(p->world, index);
+}
+
 static rheo_result resolve_metric(const parser *p, rheo__term *t)
 {
-    const uint32_t count = rheo_recording_metric_count(p->recording);
-    t->quantity = rheo_recording_metric_by_name(p->recording, t->name);
-    if (t->quantity < count)
-        return RHEO_OK;
+    const char *name;
+    for (t->quantity = 0; (name = metric_name(p, t->quantity)) != NULL; t->quantity++)
+        if (strcmp(name, t->name) == 0)
+            return RHEO_OK;
+    if (!p->world)
+        return refuse(p, "it is no metric");
     rheo__term particle = *t, ball = *t;
     particle.about = RHEO__ABOUT_PARTICLE;
     ball.about = RHEO__ABOUT_BALL;
@@ -152,8 +160,8 @@ static rheo_result resolve_metric(const parser *p, rheo__term *t)
             t->name, t->name, t->name, t->name);
     const char *names[256];
     uint32_t known = 0;
-    for (; known < count && known < 256; known++)
-        names[known] = rheo_recording_metric_name(p->recording, known);
+    for (; known < 256 && (name = metric_name(p, known)) != NULL; known++)
+        names[known] = name;
     const char *nearest = rheo_nearest_word(t->name, names, known);
     return rheo__fail(p->error, RHEO_ERROR_ARGUMENT,
                       "the recording has no metric \"%s\"%s%s%s; `rheolog metrics --list` lists them", t->name,

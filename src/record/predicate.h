@@ -58,7 +58,10 @@ typedef struct rheo__outcome {
     double value;
 } rheo__outcome;
 
-/* Fails with RHEO_ERROR_ARGUMENT and the place in the text. */
+/*
+ * Fails with RHEO_ERROR_ARGUMENT and the place in the text. Without a recording, metrics are those of the world. Without a
+ * world, it fails unless there are metrics only.
+ */
 rheo_result rheo__predicate_parse(const char *text, const rheo_recording *recording, const rheo_world *world,
                                   rheo__predicate *condition, rheo_error *error);
 /* Finds the quantity of an item by its name; sets `quantity` and `component`. False: there is none. */

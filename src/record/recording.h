@@ -192,6 +192,14 @@ struct rheo__account;
  */
 rheo_result rheo__player_step_account(rheo_player *player, uint64_t step, struct rheo__account *account,
                                       rheo_error *error);
+/* Makes another player at the same step; if the first is in the middle of one, at the keyframe before it. */
+rheo_result rheo__player_copy(const rheo_player *player, rheo_player **copy, rheo_error *error);
+/* The player becomes the other one, which is released. */
+void rheo__player_take_over(rheo_player *player, rheo_player *from);
+/* For a search that wants the last place: keeps the present state, unless one was kept less than `apart` steps before it. */
+void rheo__player_keep(rheo_player *player, uint64_t apart);
+/* The search has found a place: what was kept last leads to it, and stays until there is another place. */
+void rheo__player_keep_found(rheo_player *player);
 
 /* ---- Commands in a file (record/commands.c) ---- */
 

@@ -188,9 +188,45 @@ static void warn_of_curve(const rheo_world_def *def)
                          def->log.user);
 }
 
+/*
+ * Rest lengths flow to L - tau alpha ((1 - gamma) L - r) or L + tau alpha (r - (1 + gamma) L). One that overshoots to the other
+ * side comes back in the next substep, (1 - tau alpha (1 - gamma)) (1 - tau alpha (1 + gamma)) times as far away if that is much
+ * more than gamma L. This exceeds 1 if tau alpha (1 - gamma^2) > 2. Scheme sequential has a measure for it, plasticity_number.
+ */
+static void warn_of_plasticity(const rheo_world_def *def)
+{
+    enum { MOST_SWING = 2 };
+    const double substeps = rheo__thickening_substeps_at_rest(def), substep = def->step / substeps;
+    double largest = 0, factor = 1;
+    if (def->scheme != RHEO_SCHEME_SUMMED || !(rheo__largest_of_materials(def).springs.stiffness > 0))
+        return;
+    for (uint32_t a = 0; a <= def->materials.count; a++)
+        for (uint32_t b = a; b <= def->materials.count; b++) { /* a spring has the means of its ends */
+            const rheo_material m = rheo__material_of(def, a), n = rheo__material_of(def, b);
+            const double rate = (m.springs.plasticity + n.springs.plasticity) / 2,
+                         yield = (m.springs.yield_ratio + n.springs.yield_ratio) / 2;
+            const double swing = rate * substep * (1 - yield * yield);
+            factor = swing > largest ? 1 - yield * yield : factor;
+            largest = swing > largest ? swing : largest;
+        }
+    if (!(largest > MOST_SWING))
+        return;
+    char text[320], value[32], limit[32], right[32], count[32];
+    rheo__text_two(largest, MOST_SWING, value, limit);
+    rheo__text_brief(1 / (substep * factor), 3, false, right);
+    rheo__text_brief(substeps, 3, false, count);
+    snprintf(
+        text, sizeof text,
+        "springs.plasticity substep (1 - springs.yield_ratio^2) is %s, more than %s, with the %s substep%s of a step at "
+        "rest: rest lengths swing ever further; what helps: springs.plasticity=%s or less",
+        value, limit, count, substeps > 1 ? "s" : "", right);
+    def->log.message(text, def->log.user);
+}
+
 void rheo__thickening_warn(const rheo_world_def *def)
 {
     rheo__thickening_warn_of_idle(def);
+    warn_of_plasticity(def);
     if (def->history.curve_count)
         warn_of_curve(def);
     const double sum = rheo__stiffness_sum_at_rest(def, def->step / rheo__thickening_most_substeps(def));

@@ -42,6 +42,8 @@ double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep);
 
 /* rheo__model_type.foresee (world/preflight_thickening.c). */
 void rheo__thickening_foresee(const rheo_world_def *def, const rheo__start *start, struct rheo_preflight *preflight);
+/* Substeps of a step while the fluid rests (world/preflight_thickening.c). */
+double rheo__thickening_substeps_at_rest(const rheo_world_def *def);
 /* Warns through def->log of parameters that are set without effect (world/idle_thickening.c). */
 void rheo__thickening_warn_of_idle(const rheo_world_def *def);
 

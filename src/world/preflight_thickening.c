@@ -33,6 +33,11 @@ static double substeps_for(const rheo_world_def *def, double stiffness, double s
     return (double)rheo__substeps_for(def, sum, speed * speed);
 }
 
+double rheo__thickening_substeps_at_rest(const rheo_world_def *def)
+{
+    return substeps_for(def, rheo__largest_of_materials(def).springs.stiffness, 0);
+}
+
 static void foresee_ball(const rheo_world_def *def, const rheo__start *start, bool history, rheo_preflight *p)
 {
     const double *v = def->ball.velocity, *g = def->gravity, radius = def->ball.radius,

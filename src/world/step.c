@@ -15,6 +15,7 @@
 
 #include "core/account.h"
 #include "core/environment.h"
+#include "core/work.h"
 #include "world/command_queue.h"
 #include "world/stage_runs.h"
 
@@ -114,6 +115,7 @@ static rheo_result run_stage(rheo_world *w, uint64_t stage_run, rheo_error *erro
 
 static void begin(rheo_world *w)
 {
+    rheo__work_step();
     if (w->command_count)
         rheo__world_measure_commands(w);
     w->failed = false;
