@@ -608,7 +608,7 @@ typedef struct rheo_difference {
     uint64_t id;
     /** Larger id of a spring, else 0. */
     uint64_t other_id;
-    /** Component of the field, from 0. */
+    /** Component of the field, from 0: of the values of the item, the one that differs most. */
     uint32_t component;
     /** Value in the recording, or in the first recording. */
     double expected;
@@ -629,6 +629,8 @@ typedef struct rheo_difference {
     double largest;
     /** Largest magnitude of the field's values at that place of either side, in its unit; 0: not known. */
     double scale;
+    /** What `id` is an id of. */
+    rheo_location location;
 } rheo_difference;
 
 /** How much of a field differs at the end of a step. */

@@ -21,7 +21,9 @@ static void print_next(const char *file, const rheo_difference *d)
 {
     if (d->stage[0] && d->step > 0) {
         cli_print_command("  next: look at the last state that agrees:\n    rheolog inspect", file);
-        printf(" --step %llu\n", (unsigned long long)d->step - 1);
+        printf(" --step %llu", (unsigned long long)d->step - 1);
+        cli_print_particle(d);
+        putchar('\n');
     } else {
         puts("  next: all stages agree, but a stored state does not fit them: restore the file from version control");
     }
