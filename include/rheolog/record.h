@@ -763,11 +763,11 @@ RHEO_API rheo_result rheo_golden_close(rheo_golden *golden, rheo_verification *v
 
 /**
  * Makes a recording again with this build, from the first state, the commands before each step, and the options of
- * old_path, which must be complete. If a step fails in this build, new_path ends with that failure. *difference: how
- * new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save() and
+ * old_path, which must be complete. `full`: with the state of every step, even if old_path has none. If a step fails
+ * in this build, new_path ends with that failure. *difference: how new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save() and
  * rheo_diff(); RHEO_ERROR_FORMAT if a command cannot be given again.
  */
-RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force,
+RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool full, bool force,
                                    rheo_verification *difference, rheo_error *error);
 
 /**
