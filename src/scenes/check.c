@@ -219,15 +219,15 @@ static void check_parameters(const inspection *c)
 {
     const rheo_scene *scene = c->filling->scene;
     const rheo__measures *measures = rheo__measures_of(c->def);
-    double fastest = 0;
+    rheo__known_speeds speeds = {.ball = rheo__arrival_speed(c->filling, c->def)};
     for (uint32_t s = 0; s < scene->fill_count; s++) {
         const double speed = length_of(scene->fill[s].velocity);
-        fastest = speed > fastest ? speed : fastest;
+        speeds.fluid = speed > speeds.fluid ? speed : speeds.fluid;
     }
     for (uint32_t row = 0; row < measures->count; row++) {
         rheo__condition condition;
         char text[sizeof((rheo_warning *)NULL)->text];
-        if (!rheo__condition_of_scene(scene, c->def, fastest, row, &condition))
+        if (!rheo__condition_of_scene(scene, c->def, speeds, row, &condition))
             continue;
         rheo_warning warning = rheo__warning_of(RHEO_WARNING_PARAMETER);
         warning.value = condition.value;
