@@ -79,6 +79,28 @@ static void warnings_have_an_exit_code_of_their_own(void **state)
               out);
 }
 
+/* Regression: a radius in another unit was not noticed, and the ball fell between the particles. */
+static void a_ball_smaller_than_the_distance_of_particles_is_told(void **state)
+{
+    (void)state;
+    assert_code(0, run("check bowling-ball-small --set ball.radius=1.01")); /* particles are 2 apart */
+    assert_code(1, run("check bowling-ball-small --set ball.radius=0.99"));
+    assert_in("warning: the ball falls between the particles: ball.radius is 0.99, and they are 2 apart", out);
+    assert_code(1, run("check bowling-ball-small --set ball.radius=0.99 --json"));
+    assert_in("{\"kind\": \"ball-too-small\", \"refused\": false, ", out);
+    assert_in("\"value\": 1.98, \"limit\": 2}", out);
+}
+
+/* Regression: a ball that became too fast in its fall was not told, only one that begins so. */
+static void a_ball_that_arrives_too_fast_is_told(void **state)
+{
+    (void)state;
+    assert_code(1, run("check bowling-ball-small --set ball.clearance=4000"));
+    assert_in("warning: ball_speed (how far the ball moves in a step, in supports) is 2.31, more than 1", out);
+    assert_in("arrives with 280 L/T, 2.31 supports a step", out);
+    assert_code(0, run("check bowling-ball-small --set ball.clearance=180")); /* 0.49 */
+}
+
 static void a_refused_scene_is_bad_input(void **state)
 {
     (void)state;
@@ -204,6 +226,8 @@ int main(void)
         cmocka_unit_test(a_parameter_without_effect_is_named),
         cmocka_unit_test(scenes_of_golden_recordings_have_no_warnings),
         cmocka_unit_test(warnings_have_an_exit_code_of_their_own),
+        cmocka_unit_test(a_ball_smaller_than_the_distance_of_particles_is_told),
+        cmocka_unit_test(a_ball_that_arrives_too_fast_is_told),
         cmocka_unit_test(a_refused_scene_is_bad_input),
         cmocka_unit_test(run_gives_the_same_warnings_even_if_quiet),
         cmocka_unit_test(a_scene_that_does_not_fit_into_memory_is_refused),

@@ -129,7 +129,7 @@ static void diff_has_its_keys(void **state)
     assert_in("in the first", out);
     assert_in("how it grows", out);
     assert_in("the commands given before step 1 differ", out);
-    assert_in("\n    rheolog inspect a.rlog --step 1 --stage forces@1\n", out);
+    assert_in("\n    rheolog inspect a.rlog --step 1 --stage forces@1 --particle ", out);
     assert_code(2, run("diff a.rlog none.rlog"));
     assert_in("unreadable", out);
     assert_code(2, run("diff a.rlog"));

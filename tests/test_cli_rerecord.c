@@ -56,6 +56,19 @@ static void a_recording_is_made_again_from_itself(void **state)
     assert_files_same("melt.rlog", "new.rlog");
 }
 
+/* Hashes alone do not say which of several values differ. So a run can be recorded again with its states. */
+static void a_recording_is_made_again_with_its_states(void **state)
+{
+    (void)state;
+    record_with_commands("old.rlog", false);
+    record_with_commands("full.rlog", true);
+    assert_code(0, run("rerecord old.rlog --full -o new.rlog --force"));
+    assert_in("old.rlog, new.rlog: same: 10 steps", out);
+    assert_files_same("full.rlog", "new.rlog");
+    assert_code(0, run("rerecord full.rlog --full -o new.rlog --force"));
+    assert_files_same("full.rlog", "new.rlog");
+}
+
 static void a_golden_recording_is_made_again_and_blessed(void **state)
 {
     (void)state;
@@ -131,6 +144,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_damaged_recording_is_not_made_again),
         cmocka_unit_test(a_recording_is_made_again_from_itself),
+        cmocka_unit_test(a_recording_is_made_again_with_its_states),
         cmocka_unit_test(a_golden_recording_is_made_again_and_blessed),
         cmocka_unit_test(a_failed_run_is_made_again_with_its_failure),
         cmocka_unit_test(nothing_is_written_in_vain),

@@ -52,7 +52,7 @@ static void each_value_that_differs_is_found(void **unused)
         }
 }
 
-/* Of several differences the first item is named, and the largest difference is given. */
+/* Of several differences the first item is named, by what differs most in it, and the largest difference is given. */
 static void the_largest_difference_may_be_any(void **unused)
 {
     (void)unused;
@@ -64,7 +64,11 @@ static void the_largest_difference_may_be_any(void **unused)
     b[2] = -1;
     b[4] = nextafterf(1, 2);
     assert_int_equal(compare(RHEO__FIELD_velocity, a, 2, b, 2), 2);
-    assert_true(first.id == 0 && first.component == 1 && first.count == 2 && first.largest == 2 && first.scale == 8);
+    assert_true(first.id == 0 && first.component == 2 && first.count == 2 && first.largest == 2 && first.scale == 8);
+    assert_true(first.expected == 1 && first.actual == -1 && first.location == RHEO_LOCATION_PARTICLE);
+    b[0] = b[1] = NAN; /* differs more than any number */
+    assert_int_equal(compare(RHEO__FIELD_velocity, a, 2, b, 2), 2);
+    assert_true(first.id == 0 && first.component == 0 && first.largest == 2);
     rheo_real c[6] = {0, 0, 0, 0, 0, 0}, d[6] = {0, 0, 0, 0, 1, 0};
     assert_int_equal(compare(RHEO__FIELD_velocity, c, 2, d, 2), 1);
     assert_true(first.scale == 1 && first.largest == 1 && first.id == 1 && first.component == 1);

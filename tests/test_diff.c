@@ -155,9 +155,12 @@ static void a_changed_constant_is_named_with_values(void **unused)
         }
         assert_true(v.first.largest == largest && largest > 0 && v.first.scale == scale);
         for (uint32_t i = 0; i < rheo_world_particle_count(a); i++)
-            if (memcmp(xa + 3 * i, xb + 3 * i, 3 * sizeof *xa) != 0 && ++count == 1)
-                for (first = 3 * i; xa[first] == xb[first];)
-                    first++;
+            if (memcmp(xa + 3 * i, xb + 3 * i, 3 * sizeof *xa) != 0 && ++count == 1) {
+                first = 3 * i; /* the component that differs most */
+                for (uint32_t k = 3 * i + 1; k < 3 * i + 3; k++)
+                    if (fabs((double)xa[k] - (double)xb[k]) > fabs((double)xa[first] - (double)xb[first]))
+                        first = k;
+            }
         assert_true(v.first.id == first / 3 && v.first.component == first % 3 && v.first.count == count && count > 9);
         assert_true(v.first.expected == (double)xa[first] && v.first.actual == (double)xb[first]);
         assert_true(v.first.ulps > 0 && v.first.expected - v.first.actual < 1e-4 &&

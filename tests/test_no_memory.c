@@ -185,7 +185,7 @@ static rheo_result make_again(bool full, rheo_error *error)
 {
     rheo_verification v;
     write_file(PATH, recorded[full], recorded_size[full]);
-    const rheo_result result = rheo_rerecord(PATH, PATH ".new", true, &v, error);
+    const rheo_result result = rheo_rerecord(PATH, PATH ".new", false, true, &v, error);
     remove(PATH);
     remove(PATH ".new");
     return result;

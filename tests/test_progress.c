@@ -158,14 +158,14 @@ static void recording_again_tells_its_steps_and_leaves_nothing(void **state)
     record(A, true);
     remove(B);
     notes all = watching("recording", 0);
-    WATCHED(all, OK(rheo_rerecord(A, B, false, &v, &error)));
+    WATCHED(all, OK(rheo_rerecord(A, B, false, false, &v, &error)));
     assert_true(all.in_order && all.reports == STEPS && all.last_done == all.last_of);
     assert_int_equal(v.verdict, RHEO_SAME);
     remove(B);
     for (size_t i = 0; i < 2; i++)
         for (uint64_t report = 1; report <= STEPS; report++) {
             notes some = watching(tasks[i], report);
-            WATCHED(some, REFUSED(RHEO_ERROR_STOPPED, "stopped", rheo_rerecord(A, B, false, &v, &error)));
+            WATCHED(some, REFUSED(RHEO_ERROR_STOPPED, "stopped", rheo_rerecord(A, B, false, false, &v, &error)));
             assert_true(some.stopped);
             assert_true(stat(B, &status) != 0 && stat(beside, &status) != 0);
         }

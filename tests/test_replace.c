@@ -76,7 +76,7 @@ static void assert_guarded(const uint8_t *bytes, size_t size, bool torn)
     REFUSED(RHEO_ERROR_ARGUMENT, "is a blessed golden", rheo_recorder_open(world, GOLDEN, &force, &recorder, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "is a blessed golden",
             rheo_recorder_continue(&world, GOLDEN, &force, &recorder, &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "is a blessed golden", rheo_rerecord(OTHER, GOLDEN, true, &v, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "is a blessed golden", rheo_rerecord(OTHER, GOLDEN, false, true, &v, &error));
     if (torn) /* bless reads what is damaged elsewhere, and keeps its reasons */
         REFUSED(RHEO_ERROR_ARGUMENT, "cannot be replaced unread",
                 rheo_bless(GOLDEN, OTHER, "I did not look", false, &v, &error));
@@ -225,7 +225,7 @@ static void a_link_stays_and_its_file_is_replaced(void **unused)
     OK(rheo_recorder_open(world, LINK, &(rheo_record_options){.force = true}, &recorder, &error));
     OK(rheo_recorder_close(recorder, &error));
     assert_written_through();
-    OK(rheo_rerecord(OTHER, LINK, true, &v, &error));
+    OK(rheo_rerecord(OTHER, LINK, false, true, &v, &error));
     assert_written_through();
     OK(rheo_bless(LINK, OTHER, "through a link", true, &v, &error));
     assert_written_through();
@@ -255,7 +255,7 @@ static void a_file_of_zeros_is_not_replaced(void **unused)
         REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording", rheo_world_save(world, "", PATH, true, &error));
         REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording",
                 rheo_recorder_open(world, PATH, &force, &recorder, &error));
-        REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording", rheo_rerecord(OTHER, PATH, true, &v, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording", rheo_rerecord(OTHER, PATH, false, true, &v, &error));
         REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording", rheo_bless(PATH, OTHER, "why", true, &v, &error));
         file now = bytes_of(PATH);
         assert_int_equal(now.size, sizes[i]);
@@ -284,7 +284,7 @@ static void what_is_no_file_is_refused(void **unused)
             const rheo_record_options options = {.force = force};
             REFUSED(RHEO_ERROR_ARGUMENT, text, rheo_world_save(world, "", path, force, &error));
             REFUSED(RHEO_ERROR_ARGUMENT, text, rheo_recorder_open(world, path, &options, &recorder, &error));
-            REFUSED(RHEO_ERROR_ARGUMENT, text, rheo_rerecord(OTHER, path, force, &v, &error));
+            REFUSED(RHEO_ERROR_ARGUMENT, text, rheo_rerecord(OTHER, path, false, force, &v, &error));
             REFUSED(RHEO_ERROR_ARGUMENT, text, rheo_bless(path, OTHER, "why", force, &v, &error));
         }
         REFUSED(RHEO_ERROR_ARGUMENT, text, rheo_recorder_continue(&world, path, NULL, &recorder, &error));
@@ -292,7 +292,7 @@ static void what_is_no_file_is_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "no regular file",
             rheo_recorder_continue(&world, "/dev/null", NULL, &recorder, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "no regular file", rheo_bless("/dev/null", OTHER, "why", true, &v, &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "no regular file", rheo_rerecord(OTHER, "/dev/null", true, &v, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no regular file", rheo_rerecord(OTHER, "/dev/null", false, true, &v, &error));
     remove(LINK);
     rmdir("test_replace_folder");
     rheo_world_destroy(world);

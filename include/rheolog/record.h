@@ -608,7 +608,7 @@ typedef struct rheo_difference {
     uint64_t id;
     /** Larger id of a spring, else 0. */
     uint64_t other_id;
-    /** Component of the field, from 0. */
+    /** Component of the field, from 0: of the values of the item, the one that differs most. */
     uint32_t component;
     /** Value in the recording, or in the first recording. */
     double expected;
@@ -629,6 +629,8 @@ typedef struct rheo_difference {
     double largest;
     /** Largest magnitude of the field's values at that place of either side, in its unit; 0: not known. */
     double scale;
+    /** What `id` is an id of. */
+    rheo_location location;
 } rheo_difference;
 
 /** How much of a field differs at the end of a step. */
@@ -761,11 +763,11 @@ RHEO_API rheo_result rheo_golden_close(rheo_golden *golden, rheo_verification *v
 
 /**
  * Makes a recording again with this build, from the first state, the commands before each step, and the options of
- * old_path, which must be complete. If a step fails in this build, new_path ends with that failure. *difference: how
- * new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save() and
+ * old_path, which must be complete. `full`: with the state of every step, even if old_path has none. If a step fails
+ * in this build, new_path ends with that failure. *difference: how new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save() and
  * rheo_diff(); RHEO_ERROR_FORMAT if a command cannot be given again.
  */
-RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force,
+RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool full, bool force,
                                    rheo_verification *difference, rheo_error *error);
 
 /**

@@ -333,7 +333,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
     X(NO_FLOOR, "no-floor")             \
     X(SETTLING, "settling")             \
     X(COMPRESSED, "compressed")         \
-    X(FAR, "far")
+    X(FAR, "far")                       \
+    X(BALL_TOO_SMALL, "ball-too-small")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes or a plate hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
@@ -343,7 +344,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
  * RHEO_WARNING_PARAMETER (a measure of docs/debugging.md that follows from the parameters is out of range),
  * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
  * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest; or a shape is so, because
- * the spacing does not fit the support), RHEO_WARNING_FAR (positions are so large that what they lose by rounding counts).
+ * the spacing does not fit the support), RHEO_WARNING_FAR (positions are so large that what they lose by rounding counts),
+ * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles).
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,

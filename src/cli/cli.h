@@ -151,6 +151,8 @@ void cli_lengths_json(rheo__json *json, const rheo_verification *verification);
 /* Makes the verdict "same" if two recordings differ in length only. */
 void cli_accept_lengths(rheo_verification *verification);
 void cli_growth_text(const rheo_verification *verification);
+/* Prints the option of `inspect` for the particle of a difference, or for one of its spring, if both sides have it. */
+void cli_print_particle(const rheo_difference *difference);
 
 /* ---- Failures: output of info, inspect and doctor ---- */
 

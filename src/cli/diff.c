@@ -71,7 +71,9 @@ static void print_next(const char *const path[2], const rheo_difference *d)
     for (int i = 0; i < 2; i++)
         if (can_inspect(path[i], d->step, d->stage)) {
             cli_print_command("  next: look at the state right there:\n    rheolog inspect", path[i]);
-            printf(" --step %llu --stage %s\n", (unsigned long long)d->step, d->stage);
+            printf(" --step %llu --stage %s", (unsigned long long)d->step, d->stage);
+            cli_print_particle(d);
+            putchar('\n');
             return;
         }
     for (int i = 0; i < 2; i++)
@@ -80,7 +82,9 @@ static void print_next(const char *const path[2], const rheo_difference *d)
                 "  next: this build reproduces neither of them there; look at the last state that agrees:\n"
                 "    rheolog inspect",
                 path[i]);
-            printf(" --step %llu\n", (unsigned long long)d->step - 1);
+            printf(" --step %llu", (unsigned long long)d->step - 1);
+            cli_print_particle(d);
+            putchar('\n');
             return;
         }
     if (cli_interrupted())

@@ -133,6 +133,13 @@ void cli_growth_text(const rheo_verification *v)
     }
 }
 
+void cli_print_particle(const rheo_difference *d)
+{
+    const bool of_spring = d->location == RHEO_LOCATION_SPRING, of_both = !d->only_expected && !d->only_actual;
+    if (d->origin != RHEO_VALUES_NONE && (of_spring || (d->location == RHEO_LOCATION_PARTICLE && of_both)))
+        printf(" --particle %llu", (unsigned long long)d->id);
+}
+
 /* ---- Failures ---- */
 
 void cli_failure_json(rheo__json *json, bool failed, const rheo_failure *f, const char *location_key,

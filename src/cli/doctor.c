@@ -161,10 +161,8 @@ static void print_look(const char *file, const rheo_diagnosis *d)
         cli_print_command("  rheolog checkpoint", file);
         printf(" --step %llu -o before.rlog\n", (unsigned long long)c->step - 1);
     }
-    if (d->suspect_count) {
-        cli_print_command("  rheolog log", file);
-        putchar('\n');
-    }
+    cli_print_command("  rheolog log", file);
+    putchar('\n');
 }
 
 /* Commands are never wrapped, so that people can copy them. */

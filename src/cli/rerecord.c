@@ -11,13 +11,13 @@ static void print_json(const char *old_path, const char *new_path, const rheo_ve
     rheo__json_end_object(&json);
 }
 
-static int rerecord(const char *old_path, const char *new_path, bool force, bool json)
+static int rerecord(const char *old_path, const char *new_path, bool full, bool force, bool json)
 {
     rheo_verification v;
     rheo_error error = {""};
     cli_watch_signals();
     cli_watch_name(old_path);
-    const rheo_result result = rheo_rerecord(old_path, new_path, force, &v, &error);
+    const rheo_result result = rheo_rerecord(old_path, new_path, full, force, &v, &error);
     cli_watch_end();
     if (result != RHEO_OK)
         return cli_error(result, &error);
@@ -34,13 +34,11 @@ static int rerecord(const char *old_path, const char *new_path, bool force, bool
 static int run(int argc, char **argv)
 {
     const char *output = NULL, *simd = NULL;
-    bool force = false, json = false;
+    bool full = false, force = false, json = false;
     const cli_option options[] = {
-        {"--output", "-o", "NEW.rlog", CLI_TEXT, &output},
-        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
-        {"--force", NULL, NULL, CLI_FLAG, &force},
-        {"--json", NULL, NULL, CLI_FLAG, &json},
-        {0},
+        {"--output", "-o", "NEW.rlog", CLI_TEXT, &output}, {"--full", NULL, NULL, CLI_FLAG, &full},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd},         {"--force", NULL, NULL, CLI_FLAG, &force},
+        {"--json", NULL, NULL, CLI_FLAG, &json},           {0},
     };
     int status = cli_parse(&cli_rerecord, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -56,7 +54,7 @@ static int run(int argc, char **argv)
                         argv[0]);
     if ((status = cli_check_output(output, force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW)) != CLI_DONE)
         return status;
-    return rerecord(argv[0], output, force, json);
+    return rerecord(argv[0], output, full, force, json);
 }
 
 static const char help[] = {

@@ -17,13 +17,32 @@ static void print_json(const char *file, const rheo_verification *v)
     rheo__json_end_object(&json);
 }
 
+/* Whether a recording has no values because it was made without --full. */
+static bool has_hashes_only(const char *file)
+{
+    rheo_recording *recording;
+    if (rheo_recording_open(file, &recording, NULL) != RHEO_OK)
+        return false;
+    const bool full = rheo_recording_get_info(recording).full;
+    rheo_recording_close(recording);
+    return !full;
+}
+
 static void print_next(const char *file, const rheo_difference *d)
 {
     if (d->stage[0] && d->step > 0) {
         cli_print_command("  next: look at the last state that agrees:\n    rheolog inspect", file);
-        printf(" --step %llu\n", (unsigned long long)d->step - 1);
+        printf(" --step %llu", (unsigned long long)d->step - 1);
+        cli_print_particle(d);
+        putchar('\n');
     } else {
         puts("  next: all stages agree, but a stored state does not fit them: restore the file from version control");
+    }
+    if (d->stage[0] && d->origin == RHEO_VALUES_NONE && has_hashes_only(file)) {
+        cli_print_command("  or, for the values, make it again by the build that made it, and verify that:\n"
+                          "    rheolog rerecord",
+                          file);
+        puts(" --full -o full.rlog\n    rheolog verify full.rlog");
     }
     cli_print_command("  or, if the change is meant, record it again with this build and accept that:\n"
                       "    rheolog rerecord",

@@ -15,6 +15,7 @@ static void set_values(rheo_difference *d, rheo__field_id field, uint64_t expect
 {
     rheo_element element = rheo__field_table[field].element;
     snprintf(d->value_field, sizeof d->value_field, "%s", rheo__field_table[field].name);
+    d->location = rheo__field_table[field].location;
     d->expected_bits = expected;
     d->actual_bits = actual;
     d->expected = rheo__element_number(element, expected);
@@ -22,12 +23,18 @@ static void set_values(rheo_difference *d, rheo__field_id field, uint64_t expect
     d->ulps = field == RHEO__FIELD_spring_ends ? UINT64_MAX : rheo__element_distance(element, expected, actual);
 }
 
+/* NaN if one of them is NaN. */
+static double difference_of(rheo_element element, uint64_t a, uint64_t b)
+{
+    const double x = rheo__element_number(element, a), y = rheo__element_number(element, b);
+    return x > y ? x - y : y - x;
+}
+
 /* Notes the size of a difference of two values. */
 static void note_size(rheo__sizes *sizes, rheo_element element, uint64_t a, uint64_t b)
 {
     const uint64_t ulps = rheo__element_distance(element, a, b);
-    const double x = rheo__element_number(element, a), y = rheo__element_number(element, b);
-    const double difference = x > y ? x - y : y - x;
+    const double difference = difference_of(element, a, b);
     sizes->ulps = ulps > sizes->ulps ? ulps : sizes->ulps;
     sizes->largest = difference > sizes->largest ? difference : sizes->largest;
 }
@@ -55,6 +62,8 @@ static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, co
     size_t both = a_items < b_items ? a_items : b_items;
     uint64_t count = a_items + b_items - 2 * both;
     bool named = false;
+    size_t at = 0;   /* the named item, the first that differs */
+    double most = 0; /* the largest difference of its components, which is the one named */
     /* Rows of modes follow each other. */
     size_t row_items = field->storage == RHEO__MODES ? expected->items[RHEO__FIELD_position] : a_items + b_items;
     for (size_t i = 0; i < both; i++) {
@@ -68,9 +77,15 @@ static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, co
             if (a_bits == b_bits)
                 continue;
             note_size(sizes, field->element, a_bits, b_bits);
-            if (named || !first)
+            if (!first || (named && i != at))
+                continue;
+            const double apart = difference_of(field->element, a_bits, b_bits);
+            const bool first_nan = apart != apart && most == most;
+            if (named && !(apart > most || first_nan))
                 continue;
             named = true;
+            at = i;
+            most = apart;
             first->id = i % row_items;
             first->other_id = 0;
             first->only_expected = first->only_actual = false;

@@ -313,8 +313,13 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
 {
     const rheo_finding *c = &d->cause;
     char finding[256];
-    if (!c->measure[0]) {
+    if (!c->measure[0] && d->finding_count == 0) {
         rheo__text_add(text, size, "every measure was in range up to the end");
+        return;
+    }
+    if (!c->measure[0]) {
+        rheo_finding_text(&d->findings[0], finding, sizeof finding);
+        rheo__text_add(text, size, "nothing severe up to the end, but %s is %s", d->findings[0].measure, finding);
         return;
     }
     rheo_finding_text(c, finding, sizeof finding);

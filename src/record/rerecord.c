@@ -26,11 +26,11 @@ static rheo_result make_steps(rheo_recording *old, rheo_world *world, rheo_recor
     return RHEO_OK;
 }
 
-static rheo_result record(rheo_recording *old, rheo_world *world, const char *path, rheo_error *error)
+static rheo_result record(rheo_recording *old, rheo_world *world, const char *path, bool full, rheo_error *error)
 {
     const rheo_record_options options = {.scene = old->head.scene,
                                          .keyframe_spacing = old->head.keyframe_spacing,
-                                         .full = old->head.full,
+                                         .full = full || old->head.full,
                                          .force = true,
                                          .made_by = old->made.by,
                                          .scene_text = old->made.scene};
@@ -44,8 +44,8 @@ static rheo_result record(rheo_recording *old, rheo_world *world, const char *pa
 }
 
 /* Records into a file of the name `beside`, compares it, and puts it in its place. */
-static rheo_result rerecord(const char *old_path, const char *new_path, const char *beside, rheo_output_use use,
-                            rheo_verification *difference, rheo_error *error)
+static rheo_result rerecord(const char *old_path, const char *new_path, const char *beside, bool full,
+                            rheo_output_use use, rheo_verification *difference, rheo_error *error)
 {
     rheo_recording *old;
     rheo_world *world = NULL;
@@ -56,7 +56,7 @@ static rheo_result rerecord(const char *old_path, const char *new_path, const ch
     if (result == RHEO_OK)
         result = rheo_recording_world(old, old->first_step, NULL, &world, error);
     if (result == RHEO_OK)
-        result = record(old, world, beside, error);
+        result = record(old, world, beside, full, error);
     rheo_world_destroy(world);
     rheo_recording_close(old);
     if (result == RHEO_OK)
@@ -73,8 +73,8 @@ static rheo_result rerecord(const char *old_path, const char *new_path, const ch
     return result;
 }
 
-rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force, rheo_verification *difference,
-                          rheo_error *error)
+rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool full, bool force,
+                          rheo_verification *difference, rheo_error *error)
 {
     char *target;
     memset(difference, 0, sizeof *difference);
@@ -88,7 +88,7 @@ rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force
         result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record %.300s again", old_path);
     } else if (reserved) {
         fclose(reserved);
-        result = rerecord(old_path, target, beside, use, difference, error);
+        result = rerecord(old_path, target, beside, full, use, difference, error);
         if (result != RHEO_OK)
             remove(beside);
     } else {

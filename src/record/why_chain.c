@@ -137,6 +137,7 @@ static const char *field_of(rheo_source source)
     case RHEO_SOURCE_DRIFT:
     case RHEO_SOURCE_FLOW:
     case RHEO_SOURCE_PAST:
+    case RHEO_SOURCE_MODE:
         return "velocity";
     case RHEO_SOURCE_PRESSURE:
     case RHEO_SOURCE_SPRING:
@@ -152,6 +153,7 @@ static const char *field_of(rheo_source source)
     case RHEO_SOURCE_GRAVITY:
     case RHEO_SOURCE_BALL:
     case RHEO_SOURCE_PLATE:
+    case RHEO_SOURCE_VIBRATOR:
     case RHEO_SOURCE_SOLVER:
     case RHEO_SOURCE_SUM:
     case RHEO_SOURCE_COUNT:

@@ -219,15 +219,15 @@ static void check_parameters(const inspection *c)
 {
     const rheo_scene *scene = c->filling->scene;
     const rheo__measures *measures = rheo__measures_of(c->def);
-    double fastest = 0;
+    rheo__known_speeds speeds = {.ball = rheo__arrival_speed(c->filling, c->def)};
     for (uint32_t s = 0; s < scene->fill_count; s++) {
         const double speed = length_of(scene->fill[s].velocity);
-        fastest = speed > fastest ? speed : fastest;
+        speeds.fluid = speed > speeds.fluid ? speed : speeds.fluid;
     }
     for (uint32_t row = 0; row < measures->count; row++) {
         rheo__condition condition;
         char text[sizeof((rheo_warning *)NULL)->text];
-        if (!rheo__condition_of_scene(scene, c->def, fastest, row, &condition))
+        if (!rheo__condition_of_scene(scene, c->def, speeds, row, &condition))
             continue;
         rheo_warning warning = rheo__warning_of(RHEO_WARNING_PARAMETER);
         warning.value = condition.value;
@@ -369,6 +369,23 @@ static bool fits_between(const inspection *c, uint32_t a, uint32_t b)
     return false;
 }
 
+/* A ball that has room between particles feels no fluid. Such a radius is likely in another unit. */
+static void check_ball_size(const inspection *c)
+{
+    const double diameter = 2 * c->def->ball.radius, spacing = c->filling->spacing;
+    if (!(diameter < spacing))
+        return;
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_TOO_SMALL);
+    warning.value = diameter;
+    warning.limit = spacing;
+    char radius[32], apart[32], least[32];
+    rheo__warn(c->warnings, warning,
+               "the ball falls between the particles: ball.radius is %s, and they are %s apart; is it in the unit of "
+               "fluid.spacing? It should be %s or more",
+               rheo__text_brief(c->def->ball.radius, 3, false, radius), rheo__text_brief(spacing, 3, false, apart),
+               rheo__text_brief(2 * spacing, 2, false, least));
+}
+
 static void check_ball_at_walls(const inspection *c)
 {
     const uint32_t walls = c->def->walls.count;
@@ -441,8 +458,10 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
     for (uint32_t s = 0; s < filling->scene->fill_count; s++)
         check_speed(&c, s);
     check_plates(&c);
-    if (def->ball.radius > 0)
+    if (def->ball.radius > 0) {
+        check_ball_size(&c);
         check_ball_at_walls(&c);
+    }
     if (warnings->refusals_only)
         return RHEO_OK;
     rheo__check_crowding(filling, def, warnings);

@@ -18,10 +18,10 @@ static bool bears(const rheo_scene *scene, const char *set, rheo_world_def *def)
            rheo__scene_check_parameters(&changed, def, NULL) == RHEO_OK;
 }
 
-bool rheo__condition_of_scene(const rheo_scene *scene, const rheo_world_def *def, double max_speed, uint32_t row,
-                              rheo__condition *condition)
+bool rheo__condition_of_scene(const rheo_scene *scene, const rheo_world_def *def, rheo__known_speeds speeds,
+                              uint32_t row, rheo__condition *condition)
 {
-    if (!rheo__condition_of(def, max_speed, row, condition))
+    if (!rheo__condition_of(def, speeds, row, condition))
         return false;
     const uint32_t count = condition->advice_count;
     condition->advice_count = 0;
@@ -31,7 +31,7 @@ bool rheo__condition_of_scene(const rheo_scene *scene, const rheo_world_def *def
         if (!bears(scene, condition->advice[i].set, &changed))
             continue;
         changed.fluid.spacing = def->fluid.spacing; /* that of the filling */
-        if (!rheo__condition_of(&changed, max_speed, row, &still))
+        if (!rheo__condition_of(&changed, speeds, row, &still))
             condition->advice[condition->advice_count++] = condition->advice[i];
     }
     return true;

@@ -42,11 +42,14 @@ void rheo__check_crowding(const rheo__filling *filling, const rheo_world_def *de
 /* Examines the ball at its place among the particles of *def. */
 void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
 
+/* Speed with which the ball arrives at the fluid, after its fall; 0 without a ball (scenes/preflight.c). */
+double rheo__arrival_speed(const rheo__filling *filling, const rheo_world_def *def);
+
 /* ---- Advice (scenes/cure.c) ---- */
 
 /* rheo__condition_of() for a scene, whose definition is *def, with only the advice that helps this scene. */
-bool rheo__condition_of_scene(const rheo_scene *scene, const rheo_world_def *def, double max_speed, uint32_t row,
-                              rheo__condition *condition);
+bool rheo__condition_of_scene(const rheo_scene *scene, const rheo_world_def *def, rheo__known_speeds speeds,
+                              uint32_t row, rheo__condition *condition);
 /* Whether the scene can be made with `set`, "step=0.01", as well. */
 bool rheo__scene_bears(const rheo_scene *scene, const char *set);
 

@@ -22,6 +22,20 @@ static double top_of(const rheo__filling *filling)
     return top;
 }
 
+/* How far the ball falls until it meets the fluid, L. */
+static double fall_of_ball(const rheo__filling *filling, const rheo_world_def *def)
+{
+    const double clearance = filling->scene->ball.clearance,
+                 below = def->ball.position[1] - def->ball.radius - top_of(filling);
+    return def->ball.radius > 0 ? larger(clearance >= 0 ? clearance : below, 0) : 0;
+}
+
+double rheo__arrival_speed(const rheo__filling *filling, const rheo_world_def *def)
+{
+    const double *v = def->ball.velocity, *g = def->gravity, gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + 2 * gravity * fall_of_ball(filling, def));
+}
+
 static rheo__start start_of(const rheo__filling *filling, const rheo_world_def *def)
 {
     const rheo_scene *scene = filling->scene;
@@ -36,10 +50,7 @@ static rheo__start start_of(const rheo__filling *filling, const rheo_world_def *
             start.hottest = larger(start.hottest, t);
         }
     }
-    if (def->ball.radius > 0) {
-        const double below = def->ball.position[1] - def->ball.radius - top_of(filling);
-        start.ball_fall = larger(scene->ball.clearance >= 0 ? scene->ball.clearance : below, 0);
-    }
+    start.ball_speed = rheo__arrival_speed(filling, def);
     return start;
 }
 

@@ -38,7 +38,8 @@ static void advise(const rheo__examination *x, const rheo_scene *scene, const rh
 {
     rheo__condition condition;
     for (uint32_t row = 0; row < x->measures->count; row++)
-        if (rheo__condition_of_scene(scene, def, 0, row, &condition) && condition.advice_count) {
+        if (rheo__condition_of_scene(scene, def, (rheo__known_speeds){0}, row, &condition) &&
+            condition.advice_count) {
             snprintf(text, size, "%s (%.150s)", condition.advice[0].set, condition.advice[0].text);
             return;
         }

@@ -15,14 +15,16 @@ static double most_substeps(const rheo_world_def *def)
     return type->most_substeps ? type->most_substeps(def) : 1;
 }
 
-bool rheo__condition_of(const rheo_world_def *def, double max_speed, uint32_t row, rheo__condition *condition)
+bool rheo__condition_of(const rheo_world_def *def, rheo__known_speeds speeds, uint32_t row,
+                        rheo__condition *condition)
 {
     static const rheo__metric_name NAMES[METRICS] = {{"substeps"}, {"max_speed"}, {"ball_vx"},
                                                      {"ball_vy"},  {"ball_vz"},   {"ball_max_speed"}};
     const rheo__measures *measures = rheo__measures_of(def);
     const rheo__measure *measure = &measures->row[row];
-    const double *v = def->ball.velocity, ball = __builtin_sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    const double now[METRICS] = {most_substeps(def), max_speed, v[0], v[1], v[2], ball},
+    const double *v = def->ball.velocity, first = __builtin_sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
+                 ball = speeds.ball > first ? speeds.ball : first;
+    const double now[METRICS] = {most_substeps(def), speeds.fluid, v[0], v[1], v[2], ball},
                  episode[RHEO_MAX_FINDINGS] = {0};
     const rheo__observation o = {.def = def,
                                  .features = rheo__world_features(def),

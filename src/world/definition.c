@@ -265,7 +265,7 @@ void rheo__def_warn(const rheo_world_def *def)
     for (uint32_t row = 0; row < measures->count; row++) {
         rheo__condition condition;
         char text[512];
-        if (!rheo__condition_of(def, fastest, row, &condition))
+        if (!rheo__condition_of(def, (rheo__known_speeds){.fluid = fastest}, row, &condition))
             continue;
         rheo__condition_tell(&condition, text, sizeof text);
         say_warning(text, &log);

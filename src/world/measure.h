@@ -118,11 +118,17 @@ typedef struct rheo__condition {
     rheo_advice advice[RHEO_MAX_ADVICE]; /* most effective first */
 } rheo__condition;
 
+/* Largest speeds that are known before a run: of the particles, and of the ball beyond ball.velocity. */
+typedef struct rheo__known_speeds {
+    double fluid, ball;
+} rheo__known_speeds;
+
 /*
  * Examines a measure of a valid definition, by the index of its row. The step is taken to have as many substeps as it
- * may have. max_speed: of the particles. False: the measure is in range, or does not follow from these numbers.
+ * may have. False: the measure is in range, or does not follow from these numbers.
  */
-bool rheo__condition_of(const rheo_world_def *def, double max_speed, uint32_t row, rheo__condition *condition);
+bool rheo__condition_of(const rheo_world_def *def, rheo__known_speeds speeds, uint32_t row,
+                        rheo__condition *condition);
 /* Writes it as a sentence. */
 void rheo__condition_tell(const rheo__condition *condition, char *text, size_t size);
 

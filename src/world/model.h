@@ -52,7 +52,7 @@ struct rheo_preflight;
 /* What a model needs to know of the first state of a scene to foresee its run. */
 typedef struct rheo__start {
     double speed;            /* of the fastest particle, L/T */
-    double ball_fall;        /* height from which the ball falls onto the fluid, L */
+    double ball_speed;       /* of the ball when it arrives at the fluid, L/T */
     bool has_temperatures;   /* particles have their own */
     double coldest, hottest; /* of them, K */
 } rheo__start;

@@ -40,11 +40,10 @@ double rheo__thickening_substeps_at_rest(const rheo_world_def *def)
 
 static void foresee_ball(const rheo_world_def *def, const rheo__start *start, bool history, rheo_preflight *p)
 {
-    const double *v = def->ball.velocity, *g = def->gravity, radius = def->ball.radius,
+    const double *g = def->gravity, radius = def->ball.radius,
                  gravity = __builtin_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     p->ball_resolution = radius / def->fluid.spacing;
-    p->ball_speed =
-        __builtin_sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + 2 * gravity * rheo__larger(start->ball_fall, 0));
+    p->ball_speed = start->ball_speed;
     p->ball_way = p->ball_speed * def->step / def->fluid.support;
     if (def->scheme == RHEO_SCHEME_POSITIONS)
         return;
