@@ -5,6 +5,8 @@
 # they take is printed. PROGRAM is the build with the fault NAME (plant.sh). With --write, outputs on the page that are no longer
 # right are replaced by whole ones, to shorten by hand.
 #
+# The commands of docs/debugging.md are compared in the same way; there each may use the files of those before it.
+#
 # In a section of the page, a block ```json becomes the file that the line before it names; a block ```sh is run to plant the fault;
 # in a block ```console a command stands behind "$ ", and its output follows it. `./rheolog` is the build with the fault.
 set -eu
@@ -76,7 +78,7 @@ end_command() {
 }
 
 end_section() {
-    [ -n "$section" ] && [ $commands -gt 0 ] || return 0
+    [ -n "$section" ] && [ $commands -gt 0 ] && [ -z "$whole" ] || return 0
     [ "$(row "$page" "$section" 4)" = "$commands" ] || complain "the table has another number of commands than $commands"
     cause=$(row "$page" "$section" 5)
     [ -n "$cause" ] || complain "the table names no cause"
@@ -84,9 +86,20 @@ end_section() {
     printf '%-16s %d %5d\n' "$section" $commands $((took / 1000000)) >>"$tmp/found"
 }
 
-# Gives the commands of a page, or only of a section of it.
+# Gives the commands of a page with faults, or only of a section of it.
 find_causes() { # PAGE [SECTION]
-    page=$1 only=${2-} section='' block='' before='' command='' commands=0 took=0
+    page=$1 only=${2-} whole=''
+    give_commands
+}
+
+# Gives the commands of a page in which each may use the files of those before it.
+give_all() { # PAGE
+    page=$1 only='' whole=${1##*/}
+    give_commands
+}
+
+give_commands() {
+    section=$whole block='' before='' command='' commands=0 took=0
     rm -rf "$tmp/work"
     mkdir "$tmp/work"
     ln -s "$source/replays" "$tmp/work/replays"
@@ -96,6 +109,7 @@ find_causes() { # PAGE [SECTION]
         case $block$line in
         '### '*)
             end_section
+            [ -z "$whole" ] || { printf '%s\n' "$line" >>"$tmp/page"; continue; }
             section=$(echo "${line#\#\#\# }" | tr 'A-Z ' 'a-z-') commands=0 took=0
             rm -f "$tmp/work/rheolog"
             [ ! -e "$tmp/faulty/$section" ] || ln -s "$tmp/faulty/$section" "$tmp/work/rheolog"
@@ -140,11 +154,10 @@ find_causes() { # PAGE [SECTION]
     end_section
 }
 
+give_all "$source/docs/debugging.md"
+[ -z "$write" ] || cat "$tmp/page" >"$page"
 find_causes "$source/docs/faults.md"
-if [ -n "$write" ]; then
-    cat "$tmp/page" >"$source/docs/faults.md"
-    exit
-fi
+[ -z "$write" ] || { cat "$tmp/page" >"$page"; exit; }
 [ "$(grep -c '](#' "$page")" = "$(wc -l <"$tmp/found")" ] || { section=table && complain "its rows are not the sections"; }
 [ $wrong = 0 ] || { echo "after an intended change: sh tests/faults.sh SOURCE RHEOLOG NAME=PROGRAM... --write"; exit 1; }
 median() { sort -n -k "$1,$1" "$tmp/found" | awk -v c="$1" '{ v[NR] = $c } END { print v[int((NR + 1) / 2)] }'; }
