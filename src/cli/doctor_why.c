@@ -1,10 +1,22 @@
 /* The chain of causes that ends a diagnosis: what `rheolog why --depth 6` finds for the particle that the diagnosis names. */
 #include "cli/doctor_why.h"
 
+#include <string.h>
+
 #include "cli/shell.h"
 
 /* Steps from the keyframe times particles: some seconds. More is left to `rheolog why`. */
 static const uint64_t MOST_PARTICLE_STEPS = 10000000;
+
+/* The field of the failure, if stages keep accounts of it. */
+static const char *failed_field(const rheo_failure *failure)
+{
+    static const char *const fields[] = {"velocity", "density", "temperature", "derivative"};
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
+        if (failure->reason == RHEO_FAILURE_NOT_FINITE && strcmp(failure->field, fields[i]) == 0)
+            return fields[i];
+    return "position";
+}
 
 void cli_doctor_chain_begin(const rheo_recording *recording, const rheo_diagnosis *d, cli_doctor_chain *c)
 {
@@ -14,6 +26,8 @@ void cli_doctor_chain_begin(const rheo_recording *recording, const rheo_diagnosi
         return;
     c->step = cause->id < 0 ? d->failure.step : cause->seen[0] ? cause->seen_step : cause->step;
     c->id = cause->id < 0 ? d->failure.id : (uint64_t)cause->id;
+    c->field =
+        d->failed && c->step == d->failure.step && c->id == d->failure.id ? failed_field(&d->failure) : "position";
     c->known = c->step > d->first_step && c->step <= d->last_step + d->failed &&
                c->id < rheo_recording_get_info(recording).particles;
 }
@@ -36,7 +50,7 @@ void cli_doctor_chain_follow(rheo_recording *recording, cli_doctor_chain *c)
     if (!c->known || distance > MOST_PARTICLE_STEPS / (info.particles + 1))
         return;
     if (rheo_player_open(recording, NULL, &player, &error) == RHEO_OK)
-        c->told = rheo_player_why_chain(player, c->step, NULL, c->id, "position", CLI_DOCTOR_DEPTH, receive, c,
+        c->told = rheo_player_why_chain(player, c->step, NULL, c->id, c->field, CLI_DOCTOR_DEPTH, receive, c,
                                         &c->chain, &error) == RHEO_OK &&
                   c->count > 0;
     rheo_player_close(player);
@@ -49,8 +63,10 @@ void cli_doctor_chain_text(const char *file, const cli_doctor_chain *c)
     if (!c->known)
         return;
     cli_print_command("  rheolog why", file);
-    printf(" --step %llu --particle %llu --depth %d\n", (unsigned long long)c->step, (unsigned long long)c->id,
-           CLI_DOCTOR_DEPTH);
+    printf(" --step %llu --particle %llu", (unsigned long long)c->step, (unsigned long long)c->id);
+    if (strcmp(c->field, "position") != 0)
+        printf(" --field %s", c->field);
+    printf(" --depth %d\n", CLI_DOCTOR_DEPTH);
     if (!c->told)
         return;
     puts("causes, each from the largest contribution to the one before:");

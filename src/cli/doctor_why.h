@@ -9,6 +9,7 @@ enum { CLI_DOCTOR_DEPTH = 6 };
 typedef struct cli_doctor_chain {
     bool known;        /* the diagnosis names a particle, in a step that can be made again */
     uint64_t step, id; /* the step in which it shows, and the particle */
+    const char *field; /* that which failed, else the position */
     bool told;         /* there are links */
     uint32_t count;
     rheo_link link[CLI_DOCTOR_DEPTH];
