@@ -12,7 +12,7 @@ static void check_recording(const char *path, told *all)
     rheo_recording *r;
     rheo_player *player;
     OK(rheo_recording_open(path, &r, &error));
-    if (rheo_recording_definition(r)->model != RHEO_MODEL_THICKENING) {
+    if (rheo_recording_definition(r)->model != RHEO_MODEL_THICKENING) { /* test_why_melting has the others */
         rheo_recording_close(r);
         return;
     }
