@@ -20,6 +20,7 @@
 #include "rheolog/scene.h"
 #include "rheolog/record.h"
 #include "rheolog/find.h"
+#include "rheolog/same.h"
 #include "rheolog/view.h"
 #include "rheolog/plot.h"
 

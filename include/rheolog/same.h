@@ -1,0 +1,144 @@
+/*
+ * Whether a recording that this build does not reproduce to the bit still shows the same physics. A ladder of verdicts,
+ * from the same bits down to other statistics; each rung is a measurement with a limit, and all are seeded, so that equal
+ * programs always give equal verdicts.
+ */
+#ifndef RHEOLOG_SAME_H
+#define RHEOLOG_SAME_H
+
+#include "rheolog/record.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The rungs. A larger number says more, so `verdict >= at_least` passes. 0 never passes. */
+typedef enum rheo_sameness {
+    /** Nothing was found out: the function failed, was stopped, or was not called. */
+    RHEO_SAMENESS_UNKNOWN = 0,
+    /** A rung was tried and failed, and none above it held. */
+    RHEO_SAMENESS_DIFFERS = 1,
+    /** Runs whose positions differ by rounding have the same distributions of metrics and event times. */
+    RHEO_SAMENESS_STATISTICS = 2,
+    /** One step differs by less than that step made in two halves does. */
+    RHEO_SAMENESS_STEP = 3,
+    /** One step differs by as much as rounding the state does. */
+    RHEO_SAMENESS_ROUNDING = 4,
+    /** Every hash is the recorded one. */
+    RHEO_SAMENESS_BITS = 5
+} rheo_sameness;
+
+/** "unknown", "differs", "statistics", "step", "rounding", "bits". Never NULL. */
+RHEO_API const char *rheo_sameness_name(rheo_sameness sameness);
+/** The rung of that name, without "unknown"; RHEO_SAMENESS_UNKNOWN if there is none. */
+RHEO_API rheo_sameness rheo_sameness_by_name(const char *name);
+
+enum {
+    RHEO_LEAST_SAME_MEMBERS = 4,
+    RHEO_MOST_SAME_MEMBERS = 1000,
+    RHEO_MOST_SAME_METRICS = 48,
+};
+
+typedef struct rheo_same_options {
+    /** The weakest verdict that passes, from STATISTICS to BITS; weaker rungs are not tried. Default STATISTICS. */
+    rheo_sameness at_least;
+    /** Seeds the signs of all +-1 ulp, and the members. Any number. Default 1. */
+    uint64_t seed;
+    /** Rung rounding: largest ratio of the difference to that of +-1 ulp, 1 to 1e6. Default 16. */
+    double limit;
+    /** Rung statistics: runs on each side, RHEO_LEAST_SAME_MEMBERS to RHEO_MOST_SAME_MEMBERS. Default 20. */
+    uint32_t members;
+    /**
+     * Parameters that the new side has with another value, "NAME=VALUE" as rheo_world_set() takes them; recorded commands
+     * that set them are not given. So a change of a parameter is judged like a change of the program. Default none.
+     */
+    const char *const *set;
+    uint32_t set_count;
+    /** Rung statistics: also measures the false alarm rate (rheo_same_statistics). Default false. */
+    bool self_check;
+} rheo_same_options;
+
+RHEO_API rheo_same_options rheo_default_same_options(void);
+
+/** How far a field of the state is from the recorded one after one step. All texts are constant. */
+typedef struct rheo_same_ratio {
+    /** The field; "" if nothing was compared. */
+    char field[32];
+    /** The step, and the first stage of it whose hashes are not the recorded ones; "" if all are. */
+    uint64_t step;
+    char stage[32];
+    /** Root mean square and largest difference, in the field's unit. */
+    double rms, largest;
+    /** The same of the yardstick: +-1 ulp, or halving the step. */
+    double rms_yardstick, largest_yardstick;
+    /** The larger of the two quotients; 0 if nothing differs. */
+    double ratio;
+} rheo_same_ratio;
+
+/** Rungs bits and rounding, or step. */
+typedef struct rheo_same_steps {
+    bool tried, passed;
+    /** Steps that the recording allows to be compared, and those that were. */
+    uint64_t available, compared;
+    /** Steps in which a decision fell otherwise (a spring, the number of substeps), so that values are not comparable. */
+    uint64_t decisions;
+    /** The largest ratio of all. */
+    rheo_same_ratio worst;
+    /** The first ratio beyond the limit. Only if !passed. */
+    rheo_same_ratio first;
+} rheo_same_steps;
+
+/** A metric at a time, or the time of an event, over the members of both sides. */
+typedef struct rheo_same_metric {
+    /** Metric or event, as "kinetic_energy" or "time of 1.5 R"; the unit; and the step of the values, 0 for an event. */
+    char name[64];
+    char unit[24];
+    uint64_t step;
+    /** Means and standard deviations of the recorded side and of this one, and the p value of the rank test. */
+    double mean[2], deviation[2], p;
+    /** Distance of the means in standard deviations of the recorded side. */
+    double shift;
+    /** Rejected by Benjamini and Yekutieli. */
+    bool rejected;
+} rheo_same_metric;
+
+typedef struct rheo_same_statistics {
+    bool tried, passed;
+    /** Members of the recorded side were read from the golden file; else they were simulated. */
+    bool stored;
+    uint32_t members[2];
+    uint32_t metric_count, rejected;
+    rheo_same_metric metrics[RHEO_MOST_SAME_METRICS];
+    /** The spread still grows at the end of the recording: nothing can be said, and `passed` is false. */
+    bool too_early;
+    /** Only with self_check: splits of one side that were compared with each other, and those that were rejected. */
+    uint64_t self_checks, false_alarms;
+} rheo_same_statistics;
+
+typedef struct rheo_same_result {
+    rheo_sameness verdict;
+    /** Rung bits. */
+    bool bits_tried, bits_passed;
+    uint64_t bits_steps;
+    /** Rungs rounding and step. */
+    rheo_same_steps rounding, step;
+    rheo_same_statistics statistics;
+    /** One line; begins with the name of the verdict. */
+    char message[768];
+} rheo_same_result;
+
+/**
+ * Compares this build, with the parameters of `options`, with the program that made a recording. `options` may be NULL for
+ * defaults. Rungs are tried from the strongest down to `at_least`; the first that holds is the verdict.
+ * RHEO_ERROR_ARGUMENT for options out of range or a parameter that a running world cannot change; RHEO_ERROR_FORMAT for a
+ * damaged or truncated recording; RHEO_ERROR_UNSUPPORTED if this build has no such stages or numbers;
+ * RHEO_ERROR_STOPPED (rheo_use_progress()). After an error the verdict is RHEO_SAMENESS_UNKNOWN.
+ */
+RHEO_API rheo_result rheo_same(const char *golden, const rheo_same_options *options, rheo_same_result *result,
+                               rheo_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
