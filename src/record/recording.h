@@ -57,9 +57,12 @@ rheo_result rheo__full_write(rheo__pieces_writer *pieces, rheo__fields present, 
 rheo_result rheo__full_read(rheo__pieces_reader *pieces, rheo__fields present, uint64_t raw,
                             const rheo__values *before, rheo__values *now, rheo_error *error);
 
-/* Puts a stored state into a world that is at the step before and was given the commands of the step. */
-rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
-                               rheo_error *error);
+/*
+ * Puts a stored state into a world that is at the step before and was given the commands of the step. `own`: fields that
+ * the world makes itself, of the history, and that need not have the recorded hashes.
+ */
+rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo__fields own,
+                               rheo_world *world, rheo_error *error);
 
 /* ---- How a recording ends (record/ending.c) ---- */
 
@@ -216,10 +219,11 @@ bool rheo__compare_values(rheo__field_id field, const rheo__values *expected, co
 void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__values *expected,
                           const rheo__values *actual);
 /*
- * Finds the first field of a world, at the end of the step of r->expected, whose hash differs from the recorded hash
- * after the last stage that wrote it. *expected becomes the recorded hash. RHEO__FIELD_COUNT: none differs.
+ * Finds the first field of a world but for `except`, at the end of the step of r->expected, whose hash differs from the
+ * recorded hash after the last stage that wrote it. *expected becomes the recorded hash. RHEO__FIELD_COUNT: none differs.
  */
-rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
+rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, rheo__fields except,
+                                           uint64_t *expected);
 /* Sets the members of a difference that hashes determine. */
 void rheo__difference_locate(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field);
 /* Solves for the one component that explains another hash, expected or actual, of a field. False: none does. */

@@ -8,10 +8,15 @@
 /* ---- Moving numbers by +-1 ulp (record/same_ulp.c) ---- */
 
 /*
- * Moves `count` numbers by +1 or -1 ulp, by signs that follow from seed, stream (a field, a step) and index; undoes it if
- * `back`. Moving and undoing gives the same bits, also of zeros.
+ * Moves `count` numbers by +1 or -1 ulp, by signs that follow from seed, stream (a field, a step) and index. Zeros and
+ * numbers so small that they could change sign stay. The same move again undoes it, to the bit.
  */
-void rheo__same_move(rheo_real *values, size_t count, uint64_t seed, uint64_t stream, bool back);
+void rheo__same_move(rheo_real *values, size_t count, uint64_t seed, uint64_t stream);
+/*
+ * Moves all numbers of a state with which the next step computes, also rest lengths and the history. The same move again
+ * undoes it. After an error the world must not be used.
+ */
+rheo_result rheo__same_move_state(rheo_world *world, uint64_t seed, rheo_error *error);
 
 /* ---- Parameters of the new side (record/same.c) ---- */
 
@@ -23,6 +28,37 @@ rheo_result rheo__same_set(const rheo_same_options *options, rheo_world *world, 
  */
 rheo_result rheo__same_command(rheo_recording *golden, size_t index, const rheo_same_options *options,
                                rheo_world *world, rheo_error *error);
+
+/* The same for commands that belong to no recorded step: those of the step that failed. */
+rheo_result rheo__same_command_of(rheo_recording *golden, const rheo__step_chunks *chunks, uint64_t step,
+                                  const rheo_same_options *options, rheo_world *world, rheo_error *error);
+
+/* ---- The verdict in words (record/same_words.c) ---- */
+
+/* Sets result->message. `why`: the error that ended the comparison, or NULL. */
+void rheo__same_describe(rheo_same_result *result, const rheo_same_options *options, const rheo_error *why);
+
+/* ---- States in units of a yardstick (record/same_compare.c) ---- */
+
+/* Three states after the same step: the recorded one, that of this build, and that of this build from elsewhere. */
+typedef struct rheo__same_states {
+    const rheo_world *world;
+    const rheo__values *recorded, *own, *other;
+} rheo__same_states;
+
+/* Whether the numbers of a field count: neither integers, nor the history, nor those of the neighbour list. */
+bool rheo__same_is_compared(rheo__field_id field);
+/* Sets all members of *ratio but step and stage. */
+void rheo__same_compare(rheo__field_id field, const rheo__same_states *states, rheo_same_ratio *ratio);
+/* The number of springs that only one of two states has. */
+uint64_t rheo__same_springs(const rheo__values *a, const rheo__values *b);
+
+/* ---- A step in two halves (record/same_halved.c) ---- */
+
+/* False: the modes of the memory belong to the step and cannot be taken over. */
+bool rheo__same_can_halve(const rheo_world *world);
+/* The state after a step, made in halves from the present state of a world between steps. *failed: a stage failed. */
+rheo_result rheo__same_halves(const rheo_world *world, rheo__values *values, bool *failed, rheo_error *error);
 
 /* ---- The rungs ---- */
 

@@ -1,0 +1,128 @@
+/*
+ * The difference of two states in units of a yardstick (record/same.h): the recorded state and that of this build, against
+ * the states of two steps of this build that differ by rounding, or by halving the step.
+ *
+ * For a field, of all values or of the largest: |recorded - own| / (|other - own| + 1 ulp of own). The ulp stands for the
+ * rounding of the result, so that a field that does not respond at all has a yardstick, too.
+ */
+#include "record/same.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct sums {
+    double difference2, yardstick2; /* sums of squares */
+    double difference, yardstick;   /* the largest */
+} sums;
+
+static double ulp_of(rheo_element element, const void *values, size_t index)
+{
+    const uint64_t bits = rheo__element_bits(element, values, index);
+    const double value = rheo__element_number(element, bits);
+    if (element != RHEO_ELEMENT_F32 && element != RHEO_ELEMENT_F64)
+        return 0;
+    const double up = rheo__element_number(element, bits + 1); /* away from zero */
+    return value - value != 0 || up - up != 0 ? 0 : fabs(up - value);
+}
+
+static void add(sums *s, double difference, double yardstick)
+{
+    if (!(difference == difference)) /* NaN: no value is comparable */
+        difference = INFINITY;
+    s->difference2 += difference * difference;
+    s->yardstick2 += yardstick * yardstick;
+    s->difference = difference > s->difference ? difference : s->difference;
+    s->yardstick = yardstick > s->yardstick ? yardstick : s->yardstick;
+}
+
+/* The distance of two values; in periodic space that to the nearest image. */
+static double distance(double a, double b, double period)
+{
+    double d = fabs(a - b);
+    return period > 0 && d > period / 2 ? fabs(d - period) : d;
+}
+
+static void add_values(sums *s, rheo__field_id f, const rheo__same_states *states, size_t i, size_t j, size_t k,
+                       double period)
+{
+    const rheo_element element = rheo__field_table[f].element;
+    const void *recorded = states->recorded->data[f], *own = states->own->data[f], *other = states->other->data[f];
+    const double r = rheo__element_number(element, rheo__element_bits(element, recorded, i));
+    const double o = rheo__element_number(element, rheo__element_bits(element, own, j));
+    const double m = rheo__element_number(element, rheo__element_bits(element, other, k));
+    add(s, distance(r, o, period), distance(m, o, period) + ulp_of(element, own, j));
+}
+
+static uint64_t ends_at(const rheo__values *v, size_t k)
+{
+    const uint32_t *ends = v->data[RHEO__FIELD_spring_ends];
+    return (uint64_t)ends[2 * k] << 32 | ends[2 * k + 1];
+}
+
+uint64_t rheo__same_springs(const rheo__values *a, const rheo__values *b)
+{
+    const size_t as = a->items[RHEO__FIELD_spring_ends], bs = b->items[RHEO__FIELD_spring_ends];
+    uint64_t different = 0;
+    for (size_t i = 0, j = 0; i < as || j < bs;) {
+        const bool only_a = j >= bs || (i < as && ends_at(a, i) < ends_at(b, j));
+        const bool only_b = i >= as || (j < bs && ends_at(b, j) < ends_at(a, i));
+        different += only_a || only_b;
+        i += !only_b;
+        j += !only_a;
+    }
+    return different;
+}
+
+/* Rest lengths of the springs that all three states have. */
+static void add_springs(sums *s, const rheo__same_states *t)
+{
+    const rheo__field_id f = RHEO__FIELD_spring_ends;
+    size_t i = 0, j = 0, k = 0;
+    while (i < t->recorded->items[f] && j < t->own->items[f] && k < t->other->items[f]) {
+        const uint64_t a = ends_at(t->recorded, i), b = ends_at(t->own, j), c = ends_at(t->other, k);
+        const uint64_t least = a < b ? (a < c ? a : c) : (b < c ? b : c);
+        if (a == b && b == c)
+            add_values(s, RHEO__FIELD_spring_rest_length, t, i, j, k, 0);
+        i += a == least;
+        j += b == least;
+        k += c == least;
+    }
+}
+
+static double quotient(double difference, double yardstick)
+{
+    return difference == 0 ? 0 : yardstick > 0 ? difference / yardstick : INFINITY;
+}
+
+bool rheo__same_is_compared(rheo__field_id f)
+{
+    const rheo__field *field = &rheo__field_table[f];
+    return (field->storage == RHEO__FLAT || f == RHEO__FIELD_spring_rest_length) &&
+           (field->element == RHEO_ELEMENT_F32 || field->element == RHEO_ELEMENT_F64) &&
+           f != RHEO__FIELD_list_position && f != RHEO__FIELD_list_margin;
+}
+
+void rheo__same_compare(rheo__field_id f, const rheo__same_states *t, rheo_same_ratio *ratio)
+{
+    sums s = {0};
+    const size_t items = t->recorded->items[f];
+    double count = (double)items * rheo__field_table[f].components;
+    if (f == RHEO__FIELD_spring_rest_length) {
+        add_springs(&s, t);
+    } else if (t->own->items[f] != items || t->other->items[f] != items) {
+        add(&s, INFINITY, 0);
+    } else {
+        const uint32_t components = rheo__field_table[f].components;
+        for (size_t i = 0; i < items * components; i++)
+            add_values(&s, f, t, i, i, i,
+                       f == RHEO__FIELD_position ? (double)t->world->period.length[i % components] : 0);
+    }
+    count = count > 0 ? count : 1;
+    *ratio = (rheo_same_ratio){.rms = sqrt(s.difference2 / count),
+                               .largest = s.difference,
+                               .rms_yardstick = sqrt(s.yardstick2 / count),
+                               .largest_yardstick = s.yardstick};
+    snprintf(ratio->field, sizeof ratio->field, "%s", rheo__field_table[f].name);
+    const double rms = quotient(ratio->rms, ratio->rms_yardstick), largest = quotient(s.difference, s.yardstick);
+    ratio->ratio = rms > largest ? rms : largest;
+}
