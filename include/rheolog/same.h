@@ -12,35 +12,17 @@
 extern "C" {
 #endif
 
-/** The rungs. A larger number says more, so `verdict >= at_least` passes. 0 never passes. */
-typedef enum rheo_sameness {
-    /** Nothing was found out: the function failed, was stopped, or was not called. */
-    RHEO_SAMENESS_UNKNOWN = 0,
-    /** A rung was tried and failed, and none above it held. */
-    RHEO_SAMENESS_DIFFERS = 1,
-    /** Runs whose positions differ by rounding have the same distributions of metrics and event times. */
-    RHEO_SAMENESS_STATISTICS = 2,
-    /** One step differs by less than that step made in two halves does. */
-    RHEO_SAMENESS_STEP = 3,
-    /** One step differs by as much as rounding the state does. */
-    RHEO_SAMENESS_ROUNDING = 4,
-    /** Every hash is the recorded one. */
-    RHEO_SAMENESS_BITS = 5
-} rheo_sameness;
-
-/** "unknown", "differs", "statistics", "step", "rounding", "bits". Never NULL. */
-RHEO_API const char *rheo_sameness_name(rheo_sameness sameness);
-/** The rung of that name, without "unknown"; RHEO_SAMENESS_UNKNOWN if there is none. */
-RHEO_API rheo_sameness rheo_sameness_by_name(const char *name);
-
 enum {
-    RHEO_LEAST_SAME_MEMBERS = 4,
-    RHEO_MOST_SAME_MEMBERS = 1000,
+    RHEO_LEAST_SAME_MEMBERS = 8,
+    RHEO_MOST_SAME_MEMBERS = 64,
     RHEO_MOST_SAME_METRICS = 48,
 };
 
 typedef struct rheo_same_options {
-    /** The weakest verdict that passes, from STATISTICS to BITS; weaker rungs are not tried. Default STATISTICS. */
+    /**
+     * The weakest verdict that passes; weaker rungs are not tried. DIFFERS tries all and passes any verdict. Default
+     * STATISTICS.
+     */
     rheo_sameness at_least;
     /** Seeds the signs of all +-1 ulp, and the members. Any number. Default 1. */
     uint64_t seed;
@@ -88,17 +70,16 @@ typedef struct rheo_same_steps {
     rheo_same_ratio first;
 } rheo_same_steps;
 
-/** A metric at a time, or the time of an event, over the members of both sides. */
+/** A value over the members of both sides: the mean of a metric over some steps, or the time of an event. */
 typedef struct rheo_same_metric {
-    /** Metric or event, as "kinetic_energy" or "time of 1.5 R"; the unit; and the step of the values, 0 for an event. */
-    char name[64];
+    /** "energy, mean of steps 61 to 80", "centre_y passes -3.2", "ball_y is least"; and its unit, steps for times. */
+    char name[96];
     char unit[24];
-    uint64_t step;
     /** Means and standard deviations of the recorded side and of this one, and the p value of the rank test. */
     double mean[2], deviation[2], p;
-    /** Distance of the means in standard deviations of the recorded side. */
+    /** Distance of the means in standard deviations: the larger one of the two sides; infinite if both are 0. */
     double shift;
-    /** Rejected by Benjamini and Yekutieli. */
+    /** Rejected by Benjamini and Yekutieli at 1 %. */
     bool rejected;
 } rheo_same_metric;
 
@@ -107,11 +88,16 @@ typedef struct rheo_same_statistics {
     /** Members of the recorded side were read from the golden file; else they were simulated. */
     bool stored;
     uint32_t members[2];
-    uint32_t metric_count, rejected;
+    /** Values that were tested, those that were not since their spread still grows, and those that were rejected. */
+    uint32_t metric_count, left_out, rejected;
+    /** The values with the smallest p, smallest first: metric_count, or RHEO_MOST_SAME_METRICS if there are more. */
     rheo_same_metric metrics[RHEO_MOST_SAME_METRICS];
-    /** The spread still grows at the end of the recording: nothing can be said, and `passed` is false. */
+    /** The spread of all values still grows at the end of the recording: nothing can be said, and `passed` is false. */
     bool too_early;
-    /** Only with self_check: splits of one side that were compared with each other, and those that were rejected. */
+    /** A run of this side went bad, and why; nothing was compared, and `passed` is false. */
+    bool went_bad;
+    char why[320];
+    /** Only with self_check: splits of runs of one program that were compared with each other, and those that differed. */
     uint64_t self_checks, false_alarms;
 } rheo_same_statistics;
 
@@ -136,6 +122,16 @@ typedef struct rheo_same_result {
  */
 RHEO_API rheo_result rheo_same(const char *golden, const rheo_same_options *options, rheo_same_result *result,
                                rheo_error *error);
+
+/**
+ * rheo_bless() that also finds out, with the options, how far the change goes from old_path to this build, and stores the
+ * verdict beside the reason. *same: the verdict; RHEO_SAMENESS_UNKNOWN if there is no old_path, this build cannot make its
+ * world, or the two recordings begin with other states or parameters or have other commands, since then it is not only the
+ * program that changed. `required`: RHEO_ERROR_DIFFERS if it is less than options->at_least, and nothing is written.
+ */
+RHEO_API rheo_result rheo_bless_same(const char *old_path, const char *new_path, const char *because, bool shrink,
+                                     const rheo_same_options *options, bool required,
+                                     rheo_same_result *same, rheo_verification *difference, rheo_error *error);
 
 #ifdef __cplusplus
 }

@@ -13,13 +13,17 @@
 #include "record/lock.h"
 #include "record/recording.h"
 #include "record/replace.h"
+#include "rheolog/same.h"
 
 typedef struct blessing_files {
     const char *old_path, *new_path, *because;
     bool shrink;
-    rheo_recording *old, *new; /* old: NULL if none can be read */
-    rheo__found found;         /* at old_path; another blessing may replace it while this one compares */
-    const char *told;          /* the reason, and what was compared */
+    rheo_recording *old, *new;        /* old: NULL if none can be read */
+    rheo__found found;                /* at old_path; another blessing may replace it while this one compares */
+    const char *told;                 /* the reason, and what was compared */
+    const rheo_same_options *options; /* NULL: no verdict is asked for */
+    bool required;
+    rheo_same_result *same;
 } blessing_files;
 
 static rheo_result check_new(const char *path, rheo_error *error)
@@ -153,7 +157,12 @@ static rheo_result write_blessed(rheo__writer *to, const void *user, rheo_error 
     for (uint32_t i = 0; i < r->blessing_count; i++)
         if (!has_blessing(f->old, &r->blessings[i]))
             RHEO__TRY(rheo__blessing_write(to, r->last_step, &r->blessings[i], error));
-    RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){f->told, rheo_build()}, error));
+    const rheo_blessing blessing = {.because = f->told,
+                                    .build = rheo_build(),
+                                    .verdict = f->same->verdict,
+                                    .at_least = f->options ? f->options->at_least : RHEO_SAMENESS_UNKNOWN,
+                                    .same = f->same->message};
+    RHEO__TRY(rheo__blessing_write(to, r->last_step, &blessing, error));
     rheo__bytes index = {0};
     for (size_t i = 0; i < r->keyframe_count; i++)
         rheo__index_put(&index, r->keyframes[i].step, r->keyframes[i].start + moved, r->keyframes[i].end + moved);
@@ -202,6 +211,34 @@ static rheo_result open_found(blessing_files *f, rheo_error *error)
                          : rheo__fail(error, RHEO_ERROR_FILE, "cannot read %.300s: %s", f->old_path, strerror(errno));
 }
 
+/* Whether both recordings are of the same run, so that it is only the program that changed. */
+static bool is_same_run(const blessing_files *f, const rheo_verification *d)
+{
+    const bool compared = d->verdict == RHEO_SAME || d->verdict == RHEO_DIFFERS;
+    const bool other_start = d->verdict == RHEO_DIFFERS && !d->lengths_differ && d->first.step == d->first_step[0];
+    return f->old && f->old->complete && compared && d->parameter_count == 0 && !d->commands_differ &&
+           d->first_step[0] == d->first_step[1] && !other_start;
+}
+
+/* How far the change goes from the old recording to this build. */
+static rheo_result find_verdict(blessing_files *f, const rheo_verification *d, rheo_error *error)
+{
+    rheo_error why;
+    rheo_result result = RHEO_OK;
+    if (!f->options)
+        return RHEO_OK;
+    if (is_same_run(f, d))
+        result = rheo_same(f->old_path, f->options, f->same, &why);
+    else
+        snprintf(f->same->message, sizeof f->same->message, "unknown: the two recordings are not of the same run");
+    if (result != RHEO_OK && result != RHEO_ERROR_UNSUPPORTED) /* a world of other stages has no verdict */
+        return rheo__fail(error, result, "%s", why.message);
+    if (!f->required || f->same->verdict >= f->options->at_least)
+        return RHEO_OK;
+    return rheo__fail(error, RHEO_ERROR_DIFFERS, "%.100s is not replaced, since at least %s is asked for; %.360s",
+                      f->old_path, rheo_sameness_name(f->options->at_least), f->same->message);
+}
+
 static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_error *error)
 {
     RHEO__TRY(check_because(f->because, error));
@@ -222,18 +259,34 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
     if (is_unchanged(f, difference))
         return RHEO_OK;
     RHEO__TRY(check_shrink(f, error));
+    RHEO__TRY(find_verdict(f, difference, error));
     return replace(f, difference, error);
 }
 
-rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,
-                       rheo_verification *difference, rheo_error *error)
+rheo_result rheo_bless_same(const char *old_path, const char *new_path, const char *because, bool shrink,
+                            const rheo_same_options *options, bool required, rheo_same_result *same,
+                            rheo_verification *difference, rheo_error *error)
 {
     memset(difference, 0, sizeof *difference);
-    blessing_files f = {.old_path = old_path, .new_path = new_path, .because = because, .shrink = shrink};
+    memset(same, 0, sizeof *same);
+    blessing_files f = {.old_path = old_path,
+                        .new_path = new_path,
+                        .because = because,
+                        .shrink = shrink,
+                        .options = options,
+                        .required = required,
+                        .same = same};
     rheo_result result = bless(&f, difference, error);
     rheo_recording_close(f.old);
     rheo_recording_close(f.new);
     if (f.found.file)
         fclose(f.found.file);
     return result;
+}
+
+rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,
+                       rheo_verification *difference, rheo_error *error)
+{
+    rheo_same_result same;
+    return rheo_bless_same(old_path, new_path, because, shrink, NULL, false, &same, difference, error);
 }

@@ -27,6 +27,7 @@ bool rheo__chunk_known(uint32_t type)
     case RHEO__STEP:
     case RHEO__FAIL:
     case RHEO__BLES:
+    case RHEO__SAME:
     case RHEO__INDX:
     case RHEO__DONE:
         return true;
@@ -38,7 +39,7 @@ bool rheo__chunk_known(uint32_t type)
 /* The flag that every chunk of a type has, or none has. */
 static uint32_t flag_of(uint32_t type)
 {
-    return type == RHEO__GOLD || type == RHEO__MADE ? RHEO__CHUNK_OPTIONAL : 0;
+    return type == RHEO__GOLD || type == RHEO__MADE || type == RHEO__SAME ? RHEO__CHUNK_OPTIONAL : 0;
 }
 
 void rheo__chunk_name(uint32_t type, char name[5])

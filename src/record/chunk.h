@@ -17,6 +17,7 @@ enum {
     RHEO__STEP = RHEO__CHUNK('S', 'T', 'E', 'P'), /* a step: hashes and metrics */
     RHEO__FAIL = RHEO__CHUNK('F', 'A', 'I', 'L'), /* the step that failed */
     RHEO__BLES = RHEO__CHUNK('B', 'L', 'E', 'S'), /* why a golden recording was accepted */
+    RHEO__SAME = RHEO__CHUNK('S', 'A', 'M', 'E'), /* how far a blessed change goes, after its BLES; optional */
     RHEO__INDX = RHEO__CHUNK('I', 'N', 'D', 'X'), /* where the keyframes are */
     RHEO__DONE = RHEO__CHUNK('D', 'O', 'N', 'E'), /* the end mark */
 };

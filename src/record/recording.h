@@ -71,10 +71,13 @@ rheo_result rheo__failure_write(rheo__writer *writer, const rheo_failure *failur
 /* False: damaged. */
 bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *failure, uint32_t *inputs, double *metrics,
                        uint32_t metric_count);
+/* With its verdict, if that is known. */
 rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo_blessing *blessing,
                                  rheo_error *error);
 /* Reads a blessing and adds it to the recording. */
 rheo_result rheo__blessing_get(rheo__cursor *cursor, rheo_recording *recording, rheo_error *error);
+/* Reads the verdict of the last blessing. */
+rheo_result rheo__same_get(rheo__cursor *cursor, rheo_recording *recording, rheo_error *error);
 void rheo__blessings_release(rheo_recording *recording);
 /* Writes GOLD. */
 rheo_result rheo__golden_write(rheo__writer *writer, rheo_error *error);

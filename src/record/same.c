@@ -74,9 +74,9 @@ rheo_result rheo__same_command(rheo_recording *golden, size_t index, const rheo_
 
 static rheo_result check(const rheo_same_options *o, rheo_error *error)
 {
-    if (o->at_least < RHEO_SAMENESS_STATISTICS || o->at_least > RHEO_SAMENESS_BITS)
+    if (o->at_least < RHEO_SAMENESS_DIFFERS || o->at_least > RHEO_SAMENESS_BITS)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "at_least is %d; it must be RHEO_SAMENESS_STATISTICS, STEP, ROUNDING or BITS",
+                          "at_least is %d; it must be RHEO_SAMENESS_DIFFERS, STATISTICS, STEP, ROUNDING or BITS",
                           (int)o->at_least);
     if (!(o->limit >= 1 && o->limit <= 1e6))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the limit of rounding must be from 1 to 1000000");

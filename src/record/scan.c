@@ -200,6 +200,13 @@ static rheo_result see_blessing(walk *w, const rheo__chunk *chunk, rheo_error *e
     return rheo__blessing_get(&cursor, r, error);
 }
 
+static rheo_result see_same(walk *w, const rheo__chunk *chunk, rheo_error *error)
+{
+    RHEO__TRY(rheo__chunk_read(&w->r->reader, chunk, &w->r->payload, error));
+    rheo__cursor cursor = rheo__cursor_over(&w->r->payload);
+    return rheo__same_get(&cursor, w->r, error);
+}
+
 static rheo_result see_index(walk *w, const rheo__chunk *chunk, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -276,6 +283,8 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
         break;
     case RHEO__BLES:
         return see_blessing(w, chunk, error);
+    case RHEO__SAME:
+        return see_same(w, chunk, error);
     case RHEO__INDX:
         return see_index(w, chunk, error);
     case RHEO__DONE:
