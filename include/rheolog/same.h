@@ -60,7 +60,12 @@ typedef struct rheo_same_ratio {
 /** Rungs bits and rounding, or step. */
 typedef struct rheo_same_steps {
     bool tried, passed;
-    /** Steps that the recording allows to be compared, and those that were. */
+    /**
+     * Steps from one compared state to the next: 1 in a full recording; in others the rung rounding goes from keyframe to
+     * keyframe, and compares where 1 ulp has not grown too much on the way.
+     */
+    uint64_t interval;
+    /** Such intervals in the recording, and those that were compared. */
     uint64_t available, compared;
     /** Steps in which a decision fell otherwise (a spring, the number of substeps), so that values are not comparable. */
     uint64_t decisions;
@@ -130,8 +135,8 @@ RHEO_API rheo_result rheo_same(const char *golden, const rheo_same_options *opti
  * program that changed. `required`: RHEO_ERROR_DIFFERS if it is less than options->at_least, and nothing is written.
  */
 RHEO_API rheo_result rheo_bless_same(const char *old_path, const char *new_path, const char *because, bool shrink,
-                                     const rheo_same_options *options, bool required,
-                                     rheo_same_result *same, rheo_verification *difference, rheo_error *error);
+                                     const rheo_same_options *options, bool required, rheo_same_result *same,
+                                     rheo_verification *difference, rheo_error *error);
 
 #ifdef __cplusplus
 }

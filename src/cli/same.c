@@ -24,8 +24,8 @@ static const char *yes(bool tried, bool passed)
 static void print_ratio(const char *what, const rheo_same_ratio *r, const char *limit)
 {
     char ratio[32];
-    cli_print(stdout, 14, "; %s %s (limit %s): %s at step %llu%s%s", what, rheo_number_brief(r->ratio, 3, ratio), limit,
-              r->field, (number)r->step, r->stage[0] ? ", first other stage " : "", r->stage);
+    cli_print(stdout, 14, "; %s %s (limit %s): %s at step %llu%s%s", what, rheo_number_brief(r->ratio, 3, ratio),
+              limit, r->field, (number)r->step, r->stage[0] ? ", first other stage " : "", r->stage);
 }
 
 static void print_steps(const char *name, const rheo_same_steps *s, double limit, const char *why_not)
@@ -37,7 +37,8 @@ static void print_steps(const char *name, const rheo_same_steps *s, double limit
         puts(why_not);
         return;
     }
-    printf(", %llu of %llu steps", (number)s->compared, (number)s->available);
+    printf(", %llu of %llu %s", (number)s->compared, (number)s->available,
+           s->interval > 1 ? "ways from keyframe to keyframe" : "steps");
     if (s->decisions)
         printf(", decisions differ in %llu", (number)s->decisions);
     if (s->first.field[0])
@@ -50,9 +51,9 @@ static void print_steps(const char *name, const rheo_same_steps *s, double limit
 static void print_metric(const rheo_same_metric *m)
 {
     char was[32], is[32], shift[32], p[32];
-    printf("    %s: %s, now %s %s; %s standard deviations, p = %s%s\n", m->name, rheo_number_brief(m->mean[0], 6, was),
-           rheo_number_brief(m->mean[1], 6, is), m->unit, rheo_number_brief(m->shift, 3, shift),
-           rheo_number_brief(m->p, 3, p), m->rejected ? ", differs" : "");
+    printf("    %s: %s, now %s %s; %s standard deviations, p = %s%s\n", m->name,
+           rheo_number_brief(m->mean[0], 6, was), rheo_number_brief(m->mean[1], 6, is), m->unit,
+           rheo_number_brief(m->shift, 3, shift), rheo_number_brief(m->p, 3, p), m->rejected ? ", differs" : "");
 }
 
 /* The rejected values, or the one nearest to it. */
@@ -88,7 +89,7 @@ static void print_text(const same *a)
     putchar('\n');
     const bool tried = !r->bits_passed && a->options.at_least <= RHEO_SAMENESS_ROUNDING;
     print_steps("rounding", &r->rounding, a->options.limit,
-                tried ? ": the recording does not hold the state of every step (--full)" : "");
+                tried ? ": the recording has no states near enough (--full has all)" : "");
     print_steps("step", &r->step, 1,
                 tried && !r->rounding.passed && a->options.at_least <= RHEO_SAMENESS_STEP
                     ? ": it takes the state of every step, and a memory without modes"
@@ -121,6 +122,7 @@ static void steps_json(rheo__json *json, const char *key, const rheo_same_steps 
     rheo__json_begin_object(json, key);
     rheo__json_bool(json, "tried", s->tried);
     rheo__json_bool(json, "passed", s->passed);
+    rheo__json_integer(json, "interval", s->interval);
     rheo__json_integer(json, "available", s->available);
     rheo__json_integer(json, "compared", s->compared);
     rheo__json_integer(json, "decisions", s->decisions);
@@ -187,14 +189,21 @@ static void print_json(const same *a, int status)
 
 /* ---- The command ---- */
 
+int cli_read_sameness(const cli_command *command, const char *text, rheo_sameness *sameness)
+{
+    *sameness = rheo_sameness_by_name(text);
+    return *sameness != RHEO_SAMENESS_UNKNOWN
+               ? CLI_DONE
+               : cli_usage(command, "--at-least needs bits, rounding, step, statistics or differs; got \"%s\"", text);
+}
+
 static int read_options(same *a)
 {
     a->options = rheo_default_same_options();
     if (a->at_least) {
-        a->options.at_least = rheo_sameness_by_name(a->at_least);
-        if (a->options.at_least == RHEO_SAMENESS_UNKNOWN)
-            return cli_usage(&cli_same, "--at-least needs bits, rounding, step, statistics or differs; got \"%s\"",
-                             a->at_least);
+        const int status = cli_read_sameness(&cli_same, a->at_least, &a->options.at_least);
+        if (status != CLI_DONE)
+            return status;
     }
     if (a->limit) {
         const char *end;

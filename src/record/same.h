@@ -46,12 +46,21 @@ typedef struct rheo__same_states {
     const rheo__values *recorded, *own, *other;
 } rheo__same_states;
 
-/* Whether the numbers of a field count: neither integers, nor the history, nor those of the neighbour list. */
-bool rheo__same_is_compared(rheo__field_id field);
-/* Sets all members of *ratio but step and stage. */
-void rheo__same_compare(rheo__field_id field, const rheo__same_states *states, rheo_same_ratio *ratio);
-/* The number of springs that only one of two states has. */
-uint64_t rheo__same_springs(const rheo__values *a, const rheo__values *b);
+/* What a rung has found so far. */
+typedef struct rheo__same_judge {
+    rheo_same_steps *result;
+    double limit;
+    bool whole;         /* a decision that falls otherwise is a difference like others */
+    uint64_t decisions; /* steps in which one fell otherwise in the yardstick */
+} rheo__same_judge;
+
+/* Compares all fields of a step. `stage`: the first with another hash. */
+void rheo__same_judge_states(rheo__same_judge *judge, const rheo__same_states *states, uint64_t step,
+                             const char *stage);
+/* A step that this build cannot make, or makes although the recorded one failed. */
+void rheo__same_refuse(rheo__same_judge *judge, uint64_t step, const char *stage, const char *field);
+/* Judges the decisions that fell otherwise. */
+void rheo__same_judge_end(rheo__same_judge *judge);
 
 /* ---- A step in two halves (record/same_halved.c) ---- */
 
@@ -65,6 +74,10 @@ rheo_result rheo__same_halves(const rheo_world *world, rheo__values *values, boo
 /* Rungs rounding and step, for a recording that is complete and whose world this build can make (record/same_steps.c). */
 rheo_result rheo__same_steps(rheo_recording *golden, const rheo_same_options *options, bool halved,
                              rheo_same_steps *result, rheo_error *error);
+
+/* Rung rounding without the state of every step: from one keyframe to the next (record/same_intervals.c). */
+rheo_result rheo__same_intervals(rheo_recording *golden, const rheo_same_options *options, rheo_same_steps *result,
+                                 rheo_error *error);
 
 /*
  * Rung statistics: compares members of the recorded side, from the golden file if it has them, with members made by this

@@ -59,7 +59,8 @@ static uint64_t ends_at(const rheo__values *v, size_t k)
     return (uint64_t)ends[2 * k] << 32 | ends[2 * k + 1];
 }
 
-uint64_t rheo__same_springs(const rheo__values *a, const rheo__values *b)
+/* The number of springs that only one of two states has. */
+static uint64_t other_springs(const rheo__values *a, const rheo__values *b)
 {
     const size_t as = a->items[RHEO__FIELD_spring_ends], bs = b->items[RHEO__FIELD_spring_ends];
     uint64_t different = 0;
@@ -94,7 +95,8 @@ static double quotient(double difference, double yardstick)
     return difference == 0 ? 0 : yardstick > 0 ? difference / yardstick : INFINITY;
 }
 
-bool rheo__same_is_compared(rheo__field_id f)
+/* Whether the numbers of a field count: neither integers, nor the history, nor those of the neighbour list. */
+static bool is_compared(rheo__field_id f)
 {
     const rheo__field *field = &rheo__field_table[f];
     return (field->storage == RHEO__FLAT || f == RHEO__FIELD_spring_rest_length) &&
@@ -102,7 +104,8 @@ bool rheo__same_is_compared(rheo__field_id f)
            f != RHEO__FIELD_list_position && f != RHEO__FIELD_list_margin;
 }
 
-void rheo__same_compare(rheo__field_id f, const rheo__same_states *t, rheo_same_ratio *ratio)
+/* Sets all members of *ratio but step and stage. */
+static void compare_field(rheo__field_id f, const rheo__same_states *t, rheo_same_ratio *ratio)
 {
     sums s = {0};
     const size_t items = t->recorded->items[f];
@@ -125,4 +128,91 @@ void rheo__same_compare(rheo__field_id f, const rheo__same_states *t, rheo_same_
     snprintf(ratio->field, sizeof ratio->field, "%s", rheo__field_table[f].name);
     const double rms = quotient(ratio->rms, ratio->rms_yardstick), largest = quotient(s.difference, s.yardstick);
     ratio->ratio = rms > largest ? rms : largest;
+}
+
+/* ---- Judging a step ---- */
+
+/* One step of so many in which a decision falls otherwise may still be rounding. */
+enum { STEPS_PER_DECISION = 50 };
+
+static void note(rheo__same_judge *judge, rheo_same_ratio *ratio, uint64_t step, const char *stage)
+{
+    rheo_same_steps *result = judge->result;
+    ratio->step = step;
+    snprintf(ratio->stage, sizeof ratio->stage, "%s", stage);
+    if (ratio->ratio > result->worst.ratio || !result->worst.field[0])
+        result->worst = *ratio;
+    if (ratio->ratio > judge->limit && result->passed) {
+        result->passed = false;
+        result->first = *ratio;
+    }
+}
+
+/* Whether integers differ. */
+static bool other_integer(const rheo__values *a, const rheo__values *b)
+{
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        const rheo__field *field = &rheo__field_table[f];
+        if (!(a->present >> f & 1) || field->storage != RHEO__FLAT || f == RHEO__FIELD_step ||
+            f == RHEO__FIELD_history_rows ||
+            (field->element != RHEO_ELEMENT_U64 && field->element != RHEO_ELEMENT_U32))
+            continue;
+        if (a->items[f] != b->items[f] ||
+            memcmp(a->data[f], b->data[f], a->items[f] * field->components * rheo__element_size(field->element)) != 0)
+            return true;
+    }
+    return false;
+}
+
+static bool has_springs(const rheo__values *v)
+{
+    return v->present >> RHEO__FIELD_spring_ends & 1;
+}
+
+/* Springs that only one side has, as a ratio of their numbers. */
+static void compare_springs(const rheo__same_states *s, rheo_same_ratio *ratio)
+{
+    const double d = (double)other_springs(s->recorded, s->own), y = (double)other_springs(s->other, s->own);
+    *ratio = (rheo_same_ratio){.rms = d, .largest = d, .rms_yardstick = y, .largest_yardstick = y};
+    snprintf(ratio->field, sizeof ratio->field, "%s", rheo__field_table[RHEO__FIELD_spring_ends].name);
+    ratio->ratio = d == 0 ? 0 : d / (y > 0 ? y : 1);
+}
+
+/* Whether a decision fell otherwise: a spring was made or broke, or a number of substeps or iterations differs. */
+static bool other_decision(const rheo__values *a, const rheo__values *b)
+{
+    return other_integer(a, b) || (has_springs(a) && other_springs(a, b));
+}
+
+void rheo__same_judge_states(rheo__same_judge *judge, const rheo__same_states *s, uint64_t step, const char *stage)
+{
+    rheo_same_ratio ratio;
+    const bool decided = !judge->whole && other_decision(s->recorded, s->own);
+    judge->decisions += !judge->whole && other_decision(s->other, s->own);
+    judge->result->compared++;
+    judge->result->decisions += decided;
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT && !decided; f++) {
+        if (!(s->recorded->present >> f & 1) || !is_compared(f))
+            continue;
+        compare_field(f, s, &ratio);
+        note(judge, &ratio, step, stage);
+    }
+    if (judge->whole && has_springs(s->recorded)) {
+        compare_springs(s, &ratio);
+        note(judge, &ratio, step, stage);
+    }
+}
+
+void rheo__same_refuse(rheo__same_judge *judge, uint64_t step, const char *stage, const char *field)
+{
+    rheo_same_ratio ratio = {.ratio = INFINITY};
+    snprintf(ratio.field, sizeof ratio.field, "%s", field);
+    note(judge, &ratio, step, stage);
+}
+
+void rheo__same_judge_end(rheo__same_judge *judge)
+{
+    rheo_same_steps *result = judge->result;
+    if (result->decisions > result->compared / STEPS_PER_DECISION + judge->decisions)
+        result->passed = false;
 }

@@ -17,15 +17,21 @@ static void tell_rounding(const rheo_same_steps *s, char text[448])
 {
     char place[320];
     if (!s->tried) {
-        snprintf(text, 448, "rounding was not tried, since the recording does not hold the state of every step");
+        snprintf(text, 448, "rounding was not tried, since the recording has no states near enough (--full has all)");
         return;
     }
     tell_place(s->passed ? &s->worst : &s->first, "times what 1 ulp does", place);
-    if (s->passed)
+    if (s->passed && s->interval == 1)
         snprintf(text, 448, "%llu step%s, each from the recorded state; at most %s", (number)s->compared,
                  rheo__plural(s->compared), place);
+    else if (s->passed)
+        snprintf(text, 448, "%llu keyframe%s, each from the one before, %llu steps earlier; at most %s",
+                 (number)s->compared, rheo__plural(s->compared), (number)s->interval, place);
     else if (s->first.field[0])
         snprintf(text, 448, "it is not rounding: %s", place);
+    else if (s->decisions == 0)
+        snprintf(text, 448, "rounding is not certain: 1 ulp grows too much from keyframe to keyframe in %llu of %llu",
+                 (number)(s->available - s->compared), (number)s->available);
     else
         snprintf(text, 448, "it is not rounding: decisions fall otherwise in %llu of %llu steps",
                  (number)s->decisions, (number)s->compared);
