@@ -138,6 +138,19 @@ RHEO_API rheo_result rheo_bless_same(const char *old_path, const char *new_path,
                                      const rheo_same_options *options, bool required, rheo_same_result *same,
                                      rheo_verification *difference, rheo_error *error);
 
+/* ---- Members in a golden file ---- */
+
+/**
+ * Runs the members of a recording and keeps their results in it, in the place of others that it has, so that neither this
+ * program nor these runs are needed when a later program is compared. This build must verify the recording. Blessings stay.
+ * RHEO_ERROR_ARGUMENT for a number of members out of range, a recording of fewer than 16 steps, or a file that is no
+ * recording or is being written; RHEO_ERROR_DIFFERS if this build does not verify it; RHEO_ERROR_STATE if a member goes bad.
+ */
+RHEO_API rheo_result rheo_same_keep_members(const char *path, uint32_t members, uint64_t seed, rheo_error *error);
+
+/** Number of members that a recording holds; 0: none. */
+RHEO_API uint32_t rheo_recording_member_count(const rheo_recording *recording);
+
 #ifdef __cplusplus
 }
 #endif

@@ -2,8 +2,6 @@
  * Blessing: the one way in which a golden recording changes. This build must reproduce the new
  * recording; the reason is written into it, after the reasons that the old and the new recording had.
  */
-#define _POSIX_C_SOURCE 200809L
-#include <sys/stat.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +49,8 @@ static rheo_result check_because(const char *because, rheo_error *error)
 static bool is_unchanged(const blessing_files *f, const rheo_verification *difference)
 {
     const rheo_recording *a = f->old, *b = f->new;
-    return a && difference->verdict == RHEO_SAME && a->head.full == b->head.full && a->blessing_count > 0;
+    return a && difference->verdict == RHEO_SAME && a->head.full == b->head.full && a->blessing_count > 0 &&
+           (a->members || !b->members);
 }
 
 /* A golden recording that has become smaller guards less, and nothing else would tell. */
@@ -67,6 +66,9 @@ static rheo_result check_shrink(const blessing_files *f, rheo_error *error)
                  (unsigned long long)b->first_step, (unsigned long long)b->last_step);
     else if (a->head.full && !b->head.full)
         snprintf(less, sizeof less, "it has the state of every step (--full), the new one does not");
+    else if (a->members && !b->members)
+        snprintf(less, sizeof less,
+                 "it has members, the new one does not (`rheolog same NEW --keep-members` makes them)");
     else if (b->head.field_count < a->head.field_count)
         snprintf(less, sizeof less, "its worlds have %u fields, those of the new one %u", a->head.field_count,
                  b->head.field_count);
@@ -108,19 +110,6 @@ static char *describe(const blessing_files *f, const rheo_verification *d)
     return text;
 }
 
-static rheo_result copy(rheo_recording *from, uint64_t offset, uint64_t end, rheo__writer *to, rheo_error *error)
-{
-    while (offset < end) {
-        size_t size = end - offset < RHEO__PIECE ? (size_t)(end - offset) : RHEO__PIECE;
-        if (!rheo__bytes_resize(&from->payload, size))
-            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to copy %.300s", from->head.scene);
-        RHEO__TRY(rheo__reader_read(&from->reader, offset, from->payload.data, size, error));
-        RHEO__TRY(rheo__writer_write(to, from->payload.data, size, error));
-        offset += size;
-    }
-    return RHEO_OK;
-}
-
 static bool has_blessing(const rheo_recording *r, const rheo_blessing *blessing)
 {
     for (uint32_t i = 0; r && i < r->blessing_count; i++)
@@ -130,28 +119,16 @@ static bool has_blessing(const rheo_recording *r, const rheo_blessing *blessing)
     return false;
 }
 
-/* A file that was read-only stays so. */
-static void keep_mode(const char *path, FILE *file)
-{
-#ifndef __wasi__ /* it has no modes */
-    struct stat status = {0};
-    if (stat(path, &status) == 0)
-        (void)fchmod(fileno(file), status.st_mode & 07777);
-#else
-    (void)path, (void)file;
-#endif
-}
-
 /* The new recording with the mark; the reasons of the old one, those that only the new one has, and this one. */
 static rheo_result write_blessed(rheo__writer *to, const void *user, rheo_error *error)
 {
     const blessing_files *f = user;
     rheo_recording *r = f->new;
-    RHEO__TRY(copy(r, 0, r->head_end, to, error));
+    RHEO__TRY(rheo__recording_copy(r, 0, r->head_end, to, error));
     if (!r->golden)
         RHEO__TRY(rheo__golden_write(to, error));
     const uint64_t moved = to->written - r->head_end;
-    RHEO__TRY(copy(r, r->head_end, r->end, to, error));
+    RHEO__TRY(rheo__recording_copy(r, r->head_end, r->end, to, error));
     for (uint32_t i = 0; f->old && i < f->old->blessing_count; i++)
         RHEO__TRY(rheo__blessing_write(to, r->last_step, &f->old->blessings[i], error));
     for (uint32_t i = 0; i < r->blessing_count; i++)
@@ -163,16 +140,8 @@ static rheo_result write_blessed(rheo__writer *to, const void *user, rheo_error 
                                     .at_least = f->options ? f->options->at_least : RHEO_SAMENESS_UNKNOWN,
                                     .same = f->same->message};
     RHEO__TRY(rheo__blessing_write(to, r->last_step, &blessing, error));
-    rheo__bytes index = {0};
-    for (size_t i = 0; i < r->keyframe_count; i++)
-        rheo__index_put(&index, r->keyframes[i].step, r->keyframes[i].start + moved, r->keyframes[i].end + moved);
-    rheo_result result = index.failed
-                             ? rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording")
-                             : rheo__recording_write_end(to, &index, r->first_step, r->last_step,
-                                                         r->has_last_hash ? &r->last_hash : NULL, error);
-    rheo__bytes_release(&index);
-    keep_mode(f->old_path, to->file);
-    return result;
+    rheo__keep_mode(f->old_path, to);
+    return rheo__recording_copy_end(r, moved, to, error);
 }
 
 static rheo_result replace(blessing_files *f, const rheo_verification *difference, rheo_error *error)

@@ -118,6 +118,8 @@ struct rheo_recording {
     rheo_blessing *blessings;
     uint32_t blessing_count;
     bool golden;       /* GOLD: it was blessed, even if the blessings at its end are lost */
+    struct rheo__members *members; /* MEMB: runs that show what is chance; NULL: none */
+    uint64_t members_start, members_end;
     uint64_t head_end; /* offset past HEAD */
     uint64_t last_hash;
     bool has_failure, has_last_hash;
@@ -258,6 +260,15 @@ void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t
 /* Writes the index and the end mark. `hash` of the last state: NULL if it is not known. */
 rheo_result rheo__recording_write_end(rheo__writer *writer, const rheo__bytes *index, uint64_t first_step,
                                       uint64_t last_step, const uint64_t *hash, rheo_error *error);
+
+/* ---- Writing one again with other chunks (record/rewrite.c) ---- */
+
+rheo_result rheo__recording_copy(rheo_recording *from, uint64_t offset, uint64_t end, rheo__writer *to,
+                                 rheo_error *error);
+/* Writes the index and the end mark; the bytes of the keyframes were moved by so much (modulo 2^64). */
+rheo_result rheo__recording_copy_end(const rheo_recording *r, uint64_t moved, rheo__writer *to, rheo_error *error);
+/* A file that was read-only stays so when it is written again. */
+void rheo__keep_mode(const char *path, rheo__writer *to);
 
 /* ---- Comparing two (record/diff.c) ---- */
 

@@ -3,7 +3,7 @@
  * chunks are read then; all others are read when they are used, each with its check sum. A step counts when its STEP
  * is there, a keyframe when its KEYF is. Both follow their data, so a truncated file ends with the last complete one.
  */
-#include "record/recording.h"
+#include "record/members.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -114,6 +114,18 @@ static rheo_result see_made(walk *w, const rheo__chunk *chunk, rheo_error *error
     RHEO__TRY(rheo__chunk_read(&r->reader, chunk, &r->payload, error));
     rheo__cursor cursor = rheo__cursor_over(&r->payload);
     return rheo__made_get(&cursor, &r->made, error);
+}
+
+static rheo_result see_members(walk *w, const rheo__chunk *chunk, rheo_error *error)
+{
+    rheo_recording *r = w->r;
+    if (r->keyframe_count || !nothing_pending(&w->pending) || r->members)
+        return rheo__chunk_damaged(chunk, "does not follow HEAD", error);
+    RHEO__TRY(rheo__chunk_read(&r->reader, chunk, &r->payload, error));
+    rheo__cursor cursor = rheo__cursor_over(&r->payload);
+    r->members_start = chunk->offset;
+    r->members_end = chunk->end;
+    return rheo__members_get(&cursor, &r->members, error);
 }
 
 static rheo_result see_keyframe(walk *w, const rheo__chunk *chunk, rheo_error *error)
@@ -272,6 +284,8 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
         return see_golden(w, chunk, error);
     case RHEO__MADE:
         return see_made(w, chunk, error);
+    case RHEO__MEMB:
+        return see_members(w, chunk, error);
     case RHEO__KEYF:
         RHEO__TRY(see_keyframe(w, chunk, error));
         break;
