@@ -9,7 +9,7 @@ typedef struct same {
     const char *file, *at_least, *limit, *simd;
     cli_number members, seed;
     cli_list set;
-    bool self_check, json;
+    bool self_check, keep_members, json;
     rheo_same_options options;
     rheo_same_result result;
 } same;
@@ -246,6 +246,31 @@ static int compare(same *a)
     return a->result.verdict >= a->options.at_least ? CLI_DONE : CLI_DIFFERS;
 }
 
+/* Makes the members and keeps them in the file, instead of comparing. */
+static int keep_members(const same *a)
+{
+    rheo_error error = {""};
+    cli_watch_signals();
+    cli_watch_name(a->file);
+    const rheo_result result = rheo_same_keep_members(a->file, a->options.members, a->options.seed, &error);
+    cli_watch_end();
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    if (!a->json)
+        printf("%s: keeps %u members\n", a->file, a->options.members);
+    return CLI_DONE;
+}
+
+static void print_kept_json(const same *a, int status)
+{
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", a->file);
+    rheo__json_known_integer(&json, "members", status == CLI_DONE, a->options.members);
+    rheo__json_text(&json, "message", status == CLI_DONE ? NULL : cli_said());
+    rheo__json_end_object(&json);
+}
+
 static int run(int argc, char **argv)
 {
     same a = {.file = NULL};
@@ -256,6 +281,7 @@ static int run(int argc, char **argv)
         {"--members", NULL, "N", CLI_NUMBER, &a.members},
         {"--seed", NULL, "N", CLI_NUMBER, &a.seed},
         {"--self-check", NULL, NULL, CLI_FLAG, &a.self_check},
+        {"--keep-members", NULL, NULL, CLI_FLAG, &a.keep_members},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},
         {0},
@@ -266,10 +292,16 @@ static int run(int argc, char **argv)
     if (argc != 1)
         return cli_usage(&cli_same, "needs one golden recording; got %d", argc);
     a.file = argv[0];
+    if (a.keep_members && (a.at_least || a.limit || a.set.count || a.self_check))
+        return cli_usage(&cli_same,
+                         "--keep-members keeps runs of this build and compares nothing, so only --members and "
+                         "--seed go with it");
     if ((status = read_options(&a)) == CLI_DONE && (status = cli_use_simd(a.simd)) == CLI_DONE &&
         (status = cli_check_recording(a.file)) == CLI_DONE)
-        status = compare(&a);
-    if (a.json)
+        status = a.keep_members ? keep_members(&a) : compare(&a);
+    if (a.json && a.keep_members)
+        print_kept_json(&a, status);
+    else if (a.json)
         print_json(&a, status);
     return status;
 }

@@ -185,7 +185,7 @@ static void move(rheo_world *world, double moved, uint64_t seed)
             x[i] += (rheo_real)(most * ((double)(random >> 11) * 0x1p-52 - 1));
         }
     } else {
-        rheo__same_move(x, count, seed, RHEO__FIELD_position, false);
+        rheo__same_move(x, count, seed, RHEO__FIELD_position);
     }
     world->state.rewritten++;
 }

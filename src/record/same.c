@@ -146,6 +146,9 @@ static rheo_result climb(rheo_recording *r, const rheo_same_options *o, rheo_sam
 {
     result->verdict = RHEO_SAMENESS_DIFFERS;
     RHEO__TRY(try_bits(r, o, result, error));
+    if (o->self_check &&
+        (result->bits_passed || o->at_least > RHEO_SAMENESS_STEP)) /* the rungs below are not tried */
+        RHEO__TRY(rheo__same_statistics(r, o, &result->statistics, error));
     if (result->bits_passed)
         return reach(result, RHEO_SAMENESS_BITS);
     if (o->at_least > RHEO_SAMENESS_ROUNDING)
