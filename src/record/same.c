@@ -86,6 +86,7 @@ static rheo_result check(const rheo_same_options *o, rheo_error *error)
     return RHEO_OK;
 }
 
+/* The verdict of a rung that holds. */
 static rheo_result reach(rheo_same_result *result, rheo_sameness verdict)
 {
     result->verdict = verdict;
@@ -146,9 +147,6 @@ static rheo_result climb(rheo_recording *r, const rheo_same_options *o, rheo_sam
 {
     result->verdict = RHEO_SAMENESS_DIFFERS;
     RHEO__TRY(try_bits(r, o, result, error));
-    if (o->self_check &&
-        (result->bits_passed || o->at_least > RHEO_SAMENESS_STEP)) /* the rungs below are not tried */
-        RHEO__TRY(rheo__same_statistics(r, o, &result->statistics, error));
     if (result->bits_passed)
         return reach(result, RHEO_SAMENESS_BITS);
     if (o->at_least > RHEO_SAMENESS_ROUNDING)
@@ -179,6 +177,8 @@ rheo_result rheo_same(const char *golden, const rheo_same_options *options, rheo
     rheo_result done = r->complete ? RHEO_OK : rheo__fail(&why, r->fault_result, "%s", r->fault.message);
     if (done == RHEO_OK)
         done = climb(r, &own, result, &why);
+    if (done == RHEO_OK && own.self_check && !result->statistics.tried) /* whatever rung holds */
+        done = rheo__same_statistics(r, &own, &result->statistics, &why);
     if (done != RHEO_OK)
         result->verdict = RHEO_SAMENESS_UNKNOWN;
     rheo_recording_close(r);
