@@ -180,13 +180,28 @@ static rheo_result open_found(blessing_files *f, rheo_error *error)
                          : rheo__fail(error, RHEO_ERROR_FILE, "cannot read %.300s: %s", f->old_path, strerror(errno));
 }
 
+/* Whether the steps that both recordings have were given the same commands. */
+static bool same_commands(rheo_recording *a, rheo_recording *b)
+{
+    const uint64_t last = a->last_step < b->last_step ? a->last_step : b->last_step;
+    for (uint64_t i = 0;; i++) {
+        rheo_command x = {.step = UINT64_MAX}, y = {.step = UINT64_MAX};
+        const bool more_x = rheo_recording_command(a, i, &x, NULL) == RHEO_OK && x.step <= last,
+                   more_y = rheo_recording_command(b, i, &y, NULL) == RHEO_OK && y.step <= last;
+        if (!more_x && !more_y)
+            return true;
+        if (more_x != more_y || x.step != y.step || x.kind != y.kind || strcmp(x.text, y.text) != 0)
+            return false;
+    }
+}
+
 /* Whether both recordings are of the same run, so that it is only the program that changed. */
 static bool is_same_run(const blessing_files *f, const rheo_verification *d)
 {
     const bool compared = d->verdict == RHEO_SAME || d->verdict == RHEO_DIFFERS;
     const bool other_start = d->verdict == RHEO_DIFFERS && !d->lengths_differ && d->first.step == d->first_step[0];
-    return f->old && f->old->complete && compared && d->parameter_count == 0 && !d->commands_differ &&
-           d->first_step[0] == d->first_step[1] && !other_start;
+    return f->old && f->old->complete && compared && d->parameter_count == 0 &&
+           d->first_step[0] == d->first_step[1] && !other_start && same_commands(f->old, f->new);
 }
 
 /* How far the change goes from the old recording to this build. */

@@ -52,6 +52,7 @@ typedef struct rheo__same_judge {
     double limit;
     bool whole;         /* a decision that falls otherwise is a difference like others */
     uint64_t decisions; /* steps in which one fell otherwise in the yardstick */
+    rheo_same_ratio first_decision;
 } rheo__same_judge;
 
 /* Compares all fields of a step. `stage`: the first with another hash. */

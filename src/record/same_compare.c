@@ -148,8 +148,8 @@ static void note(rheo__same_judge *judge, rheo_same_ratio *ratio, uint64_t step,
     }
 }
 
-/* Whether integers differ. */
-static bool other_integer(const rheo__values *a, const rheo__values *b)
+/* The first field whose integers differ; RHEO__FIELD_COUNT: none. */
+static rheo__field_id other_integer(const rheo__values *a, const rheo__values *b)
 {
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         const rheo__field *field = &rheo__field_table[f];
@@ -159,9 +159,9 @@ static bool other_integer(const rheo__values *a, const rheo__values *b)
             continue;
         if (a->items[f] != b->items[f] ||
             memcmp(a->data[f], b->data[f], a->items[f] * field->components * rheo__element_size(field->element)) != 0)
-            return true;
+            return f;
     }
-    return false;
+    return RHEO__FIELD_COUNT;
 }
 
 static bool has_springs(const rheo__values *v)
@@ -181,7 +181,24 @@ static void compare_springs(const rheo__same_states *s, rheo_same_ratio *ratio)
 /* Whether a decision fell otherwise: a spring was made or broke, or a number of substeps or iterations differs. */
 static bool other_decision(const rheo__values *a, const rheo__values *b)
 {
-    return other_integer(a, b) || (has_springs(a) && other_springs(a, b));
+    return other_integer(a, b) != RHEO__FIELD_COUNT || (has_springs(a) && other_springs(a, b));
+}
+
+static void note_decision(rheo__same_judge *judge, const rheo__same_states *s, uint64_t step, const char *stage)
+{
+    rheo_same_ratio *first = &judge->first_decision;
+    const rheo__field_id integer = other_integer(s->recorded, s->own);
+    judge->result->decisions++;
+    if (first->field[0])
+        return;
+    if (integer == RHEO__FIELD_COUNT) {
+        compare_springs(s, first);
+    } else {
+        first->ratio = INFINITY;
+        snprintf(first->field, sizeof first->field, "%s", rheo__field_table[integer].name);
+    }
+    first->step = step;
+    snprintf(first->stage, sizeof first->stage, "%s", stage);
 }
 
 void rheo__same_judge_states(rheo__same_judge *judge, const rheo__same_states *s, uint64_t step, const char *stage)
@@ -190,7 +207,8 @@ void rheo__same_judge_states(rheo__same_judge *judge, const rheo__same_states *s
     const bool decided = !judge->whole && other_decision(s->recorded, s->own);
     judge->decisions += !judge->whole && other_decision(s->other, s->own);
     judge->result->compared++;
-    judge->result->decisions += decided;
+    if (decided)
+        note_decision(judge, s, step, stage);
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT && !decided; f++) {
         if (!(s->recorded->present >> f & 1) || !is_compared(f))
             continue;
@@ -213,6 +231,9 @@ void rheo__same_refuse(rheo__same_judge *judge, uint64_t step, const char *stage
 void rheo__same_judge_end(rheo__same_judge *judge)
 {
     rheo_same_steps *result = judge->result;
-    if (result->decisions > result->compared / STEPS_PER_DECISION + judge->decisions)
-        result->passed = false;
+    if (result->decisions <= result->compared / STEPS_PER_DECISION + judge->decisions)
+        return;
+    if (result->passed)
+        result->first = judge->first_decision;
+    result->passed = false;
 }

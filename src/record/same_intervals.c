@@ -11,7 +11,7 @@
 #include "record/same.h"
 
 /* Largest root mean square of the yardstick's positions, in supports. */
-#define LARGEST_GROWTH 1e-4
+#define LARGEST_GROWTH 1e-3
 
 typedef struct way {
     rheo_recording *r;

@@ -31,12 +31,9 @@ static void tell_rounding(const rheo_same_steps *s, char text[PART])
                  (number)s->compared, rheo__plural(s->compared), (number)s->interval, place);
     else if (s->first.field[0])
         snprintf(text, PART, "it is not rounding: %s", place);
-    else if (s->compared < s->available)
+    else
         snprintf(text, PART, "rounding is not certain: in %llu of %llu intervals, 1 ulp grows too much",
                  (number)(s->available - s->compared), (number)s->available);
-    else
-        snprintf(text, PART, "it is not rounding: springs or numbers of substeps differ in %llu of %llu steps",
-                 (number)s->decisions, (number)s->compared);
 }
 
 /* Values of members that differ, or that none does. */
