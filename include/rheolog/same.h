@@ -93,6 +93,8 @@ typedef struct rheo_same_statistics {
     /** Members of the recorded side were read from the golden file; else they were simulated. */
     bool stored;
     uint32_t members[2];
+    /** How far the members' coordinates were moved at most, in spacings; 0: by one unit in the last place. */
+    double moved;
     /** Values that were tested, those that were not since their spread still grows, and those that were rejected. */
     uint32_t metric_count, left_out, rejected;
     /** The values with the smallest p, smallest first: metric_count, or RHEO_MOST_SAME_METRICS if there are more. */

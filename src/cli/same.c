@@ -67,6 +67,12 @@ static void print_statistics(const rheo_same_statistics *s)
     }
     printf(", %u recorded members%s and %u of this build, %u values, %u left out, %u differ\n", s->members[0],
            s->stored ? " (stored)" : "", s->members[1], s->metric_count, s->left_out, s->rejected);
+    char moved[32];
+    if (s->moved > 0)
+        printf("    members begin with coordinates that are moved by up to %s of the spacing\n",
+               rheo_number_brief(s->moved, 3, moved));
+    else
+        puts("    members begin with coordinates that are moved by 1 ulp");
     if (s->too_early)
         puts("    too early: the spread of the members still grows at the end of the recording");
     if (s->went_bad)
@@ -152,6 +158,7 @@ static void statistics_json(rheo__json *json, const rheo_same_statistics *s, boo
     rheo__json_bool(json, "stored", s->stored);
     rheo__json_integer(json, "members_recorded", s->members[0]);
     rheo__json_integer(json, "members", s->members[1]);
+    rheo__json_number(json, "moved", s->moved);
     rheo__json_integer(json, "values", s->metric_count);
     rheo__json_integer(json, "left_out", s->left_out);
     rheo__json_integer(json, "rejected", s->rejected);

@@ -243,7 +243,10 @@ static rheo_result run_steps(rheo_recording *r, const rheo_same_options *options
     if (options)
         RHEO__TRY(rheo__same_set(options, world, error));
     begin(reads, m, world);
-    for (size_t index = 0; index < r->step_count; index++) {
+    uint64_t last = r->first_step;
+    for (uint32_t i = 0; i < m->values; i++)
+        last = m->value[i].to > last ? m->value[i].to : last;
+    for (size_t index = 0; index < r->step_count && r->first_step + index < last; index++) {
         const uint64_t step = r->first_step + 1 + index;
         RHEO__TRY(options ? rheo__same_command(r, index, options, world, error)
                           : rheo__recording_command(r, &r->steps[index], step, world, error));

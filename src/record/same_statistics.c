@@ -325,6 +325,7 @@ static rheo_result make_sides(rheo_recording *r, const rheo_same_options *option
     const uint32_t count = r->members && options->members < a->count ? options->members : a->count;
     RHEO__TRY(rheo__members_like(a, count, a->seed, b, error));
     s->members[0] = a->count;
+    s->moved = a->moved;
     s->members[1] = b->count;
     rheo_error why;
     const rheo_result result = rheo__members_run(r, options, b, &why);
