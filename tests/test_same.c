@@ -53,7 +53,7 @@ static void sabotage(rheo_world *w, uint32_t stage)
         largest = v[i] * v[i] > v[largest] * v[largest] ? i : largest;
     }
     if (program.change == ONE)
-        v[largest] *= (rheo_real)1.01;
+        v[largest] *= (rheo_real)(RHEO_DOUBLE ? 1 + 2e-11 : 1.01);
 }
 
 static void change_program(change_kind change, uint64_t first)
