@@ -21,8 +21,6 @@ enum { LEAST_STEPS = 16 };
 
 void rheo__members_release(rheo__members *m)
 {
-    if (!m)
-        return;
     free(m->value);
     free(m->result);
     *m = (rheo__members){0};

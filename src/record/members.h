@@ -44,7 +44,7 @@ typedef struct rheo__members {
     char build[256];           /* that made them */
 } rheo__members;
 
-/* Its contents; NULL is allowed. */
+/* Their contents. */
 void rheo__members_release(rheo__members *members);
 /*
  * Makes the members of a recording that this build reproduces: chooses their values and how far they are moved, and runs
@@ -65,7 +65,5 @@ rheo_result rheo__members_run(rheo_recording *r, const rheo_same_options *option
 /* ---- Their chunk (record/members_file.c) ---- */
 
 rheo_result rheo__members_write(rheo__writer *writer, const rheo__members *members, rheo_error *error);
-/* Makes them with malloc. Nothing needs to be released after a failure. */
-rheo_result rheo__members_get(rheo__cursor *cursor, rheo__members **members, rheo_error *error);
 
 #endif

@@ -92,6 +92,13 @@ rheo_result rheo__members_get(rheo__cursor *cursor, rheo__members **members, rhe
     return result;
 }
 
+void rheo__members_destroy(rheo__members *members)
+{
+    if (members)
+        rheo__members_release(members);
+    free(members);
+}
+
 uint32_t rheo_recording_member_count(const rheo_recording *r)
 {
     return r->members ? r->members->count : 0;

@@ -84,6 +84,14 @@ rheo_result rheo__golden_write(rheo__writer *writer, rheo_error *error);
 /* Whether a file is a blessed recording, however much of it is lost: it has GOLD or BLES, or the start of one. */
 bool rheo__reader_is_blessed(rheo__reader *reader);
 
+/* ---- Members (record/members_file.c) ---- */
+
+struct rheo__members;
+/* Reads MEMB and makes them with malloc. Nothing needs to be released after a failure. */
+rheo_result rheo__members_get(rheo__cursor *cursor, struct rheo__members **members, rheo_error *error);
+/* Releases them and their contents. NULL is allowed. */
+void rheo__members_destroy(struct rheo__members *members);
+
 /* ---- An open recording ---- */
 
 typedef struct rheo__step_chunks {
@@ -117,7 +125,7 @@ struct rheo_recording {
     rheo__step_chunks failed; /* its commands */
     rheo_blessing *blessings;
     uint32_t blessing_count;
-    bool golden;       /* GOLD: it was blessed, even if the blessings at its end are lost */
+    bool golden;                   /* GOLD: it was blessed, even if the blessings at its end are lost */
     struct rheo__members *members; /* MEMB: runs that show what is chance; NULL: none */
     uint64_t members_start, members_end;
     uint64_t head_end; /* offset past HEAD */

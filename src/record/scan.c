@@ -3,7 +3,7 @@
  * chunks are read then; all others are read when they are used, each with its check sum. A step counts when its STEP
  * is there, a keyframe when its KEYF is. Both follow their data, so a truncated file ends with the last complete one.
  */
-#include "record/members.h"
+#include "record/recording.h"
 
 #include <stdlib.h>
 #include <string.h>
