@@ -113,7 +113,7 @@ done
 for simd in $("$rheolog" --version | sed -n 's/^simd: \(.*\) (.*/\1/p'); do
     expect "$simd" run --simd "$simd"
 done
-for command in verify diff bless doctor info log inspect when track debug checkpoint metrics export render rerecord; do
+for command in verify diff bless doctor info log inspect when track debug checkpoint metrics export render rerecord same; do
     expect "a.rlog
 b.rlog
 folder" "$command" ""

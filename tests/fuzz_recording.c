@@ -593,19 +593,9 @@ static void mutate_payload(forged_chunk *c, size_t room)
 
 static void mutate_chunks(forged *f, size_t room)
 {
-    static const uint32_t TYPES[] = {RHEO__HEAD,
-                                     RHEO__FILD,
-                                     RHEO__KEYF,
-                                     RHEO__INPT,
-                                     RHEO__STAT,
-                                     RHEO__STEP,
-                                     RHEO__FAIL,
-                                     RHEO__BLES,
-                                     RHEO__INDX,
-                                     RHEO__DONE,
-                                     RHEO__GOLD,
-                                     RHEO__MADE,
-                                     RHEO__CHUNK('N', 'O', 'T', 'E')};
+    static const uint32_t TYPES[] = {RHEO__HEAD, RHEO__FILD, RHEO__KEYF, RHEO__INPT, RHEO__STAT,
+                                     RHEO__STEP, RHEO__FAIL, RHEO__BLES, RHEO__INDX, RHEO__DONE,
+                                     RHEO__GOLD, RHEO__MADE, RHEO__MEMB, RHEO__SAME, RHEO__CHUNK('N', 'O', 'T', 'E')};
     size_t place = below(f->count), other = below(f->count);
     forged_chunk *c = &f->chunk[place], swap;
     switch (below(12)) {

@@ -5,9 +5,10 @@
 
 /* ---- Usage ---- */
 
-static const char *const commands[] = {
-    "bench",   "bless", "check",   "checkpoint", "curves",   "diff",      "doctor", "experiments", "export", "info",
-    "inspect", "log",   "metrics", "render",     "rerecord", "rheometer", "run",    "scenes",      "verify"};
+static const char *const commands[] = {"bench",     "bless",  "check",       "checkpoint", "curves",
+                                       "diff",      "doctor", "experiments", "export",     "info",
+                                       "inspect",   "log",    "metrics",     "render",     "rerecord",
+                                       "rheometer", "run",    "same",        "scenes",     "verify"};
 
 static void assert_fits_80_columns(void)
 {
@@ -97,6 +98,13 @@ static void bad_usage_is_reported(void **state)
         {"verify", "no recordings"},
         {"verify --josn x", "--json"},
         {"rerecord", "one recording"},
+        {"same", "one golden recording"},
+        {"same none.rlog", "none.rlog"},
+        {"same none.rlog --at-least bit", "--at-least needs"},
+        {"same none.rlog --members 2", "--members needs"},
+        {"same none.rlog --limit 0.5", "--limit needs"},
+        {"same none.rlog --set gravity", "KEY=VALUE"},
+        {"bless a b --because x --at-least bit", "--at-least needs"},
         {"rerecord a b", "one recording"},
         {"rerecord none.rlog", "-o NEW.rlog"},
         {"rerecord none.rlog -o x.rlog", "none.rlog"},

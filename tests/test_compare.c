@@ -378,7 +378,7 @@ static void the_field_with_another_hash_is_found(void **unused)
     OK(rheo_recording_open_memory(bytes, size, &r, &error));
     OK(rheo__recording_read_step(r, 0, &error));
     uint64_t expected;
-    assert_int_equal(rheo__recording_wrong_field(r, world, &expected), RHEO__FIELD_COUNT);
+    assert_int_equal(rheo__recording_wrong_field(r, world, 0, &expected), RHEO__FIELD_COUNT);
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         uint64_t right = 0;
         char name[32];
@@ -391,7 +391,7 @@ static void the_field_with_another_hash_is_found(void **unused)
         if (!right)
             continue;
         named++;
-        assert_int_equal(rheo__recording_wrong_field(r, world, &expected), f);
+        assert_int_equal(rheo__recording_wrong_field(r, world, 0, &expected), f);
         assert_true(expected == right + 1);
         for (size_t i = 0; i < r->expected_count; i++) {
             rheo__world_trace_entry(world, rheo__world_trace_substeps(world, r->expected_count), i, name, &field);

@@ -635,10 +635,10 @@ static void a_stored_state_that_contradicts_itself_changes_nothing(void **state)
         }
         if (way < WAYS) {
             REFUSED(RHEO_ERROR_FORMAT, "the stored state of step 2 contradicts itself",
-                    rheo__full_restore(r, 2, &r->now, world, &error));
+                    rheo__full_restore(r, 2, &r->now, 0, world, &error));
             assert_true(rheo_world_hash(world) == hash);
         } else {
-            OK(rheo__full_restore(r, 2, &r->now, world, &error));
+            OK(rheo__full_restore(r, 2, &r->now, 0, world, &error));
         }
         rheo_world_destroy(world);
         rheo_recording_close(r);

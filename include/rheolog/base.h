@@ -135,7 +135,7 @@ typedef struct rheo_log {
 typedef struct rheo_progress {
     /**
      * Called after step `done` of `total`, from 1 on. `task` is a constant text: "settling" (rheo_scene_create_world()),
-     * "verifying" (rheo_verify(), rheo_bless()), "comparing" (rheo_diff(), rheo_bless(), rheo_rerecord()), "recording"
+     * "verifying" (rheo_verify(), rheo_bless(), rheo_same()), "comparing" (rheo_diff(), rheo_bless(), rheo_rerecord(), rheo_same()), "recording"
      * (rheo_rerecord()), "searching" (rheo_recording_find()) or "simulating" (on the way to a step: rheo_recording_world(), rheo_player_seek() and others).
      * Returns whether to go on: if it returns false from then on, the function ends with RHEO_ERROR_STOPPED. Must not
      * call the library with the same objects. NULL: none.

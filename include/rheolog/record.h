@@ -505,6 +505,27 @@ RHEO_API bool rheo_health_measure(const rheo_health *health, uint32_t index, rhe
 
 /* ---- Blessings ---- */
 
+/** How much of a recording another program shows again (same.h). A larger number says more, so `verdict >= at_least` passes. 0 never passes. */
+typedef enum rheo_sameness {
+    /** Nothing was found out: the function failed, was stopped, or was not called. */
+    RHEO_SAMENESS_UNKNOWN = 0,
+    /** A rung was tried and failed, and none above it held. */
+    RHEO_SAMENESS_DIFFERS = 1,
+    /** Runs whose positions differ by rounding have the same distributions of metrics and event times. */
+    RHEO_SAMENESS_STATISTICS = 2,
+    /** One step differs by less than that step made in two halves does. */
+    RHEO_SAMENESS_STEP = 3,
+    /** One step differs by as much as rounding the state does. */
+    RHEO_SAMENESS_ROUNDING = 4,
+    /** Every hash is the recorded one. */
+    RHEO_SAMENESS_BITS = 5
+} rheo_sameness;
+
+/** "unknown", "differs", "statistics", "step", "rounding", "bits". Never NULL. */
+RHEO_API const char *rheo_sameness_name(rheo_sameness sameness);
+/** The rung of that name, without "unknown"; RHEO_SAMENESS_UNKNOWN if there is none. */
+RHEO_API rheo_sameness rheo_sameness_by_name(const char *name);
+
 /** Why a golden recording was accepted. */
 typedef struct rheo_blessing {
     /**
@@ -514,6 +535,13 @@ typedef struct rheo_blessing {
     const char *because;
     /** The build that blessed it, as rheo_build() describes it. */
     const char *build;
+    /**
+     * How the build that blessed it stood to the recording before, and the weakest rung that it tried (same.h).
+     * RHEO_SAMENESS_UNKNOWN: that was not found out, since there was no such recording or it was of another run.
+     */
+    rheo_sameness verdict, at_least;
+    /** The verdict in words; "" if it is not known. */
+    const char *same;
 } rheo_blessing;
 
 RHEO_API uint32_t rheo_recording_blessing_count(const rheo_recording *recording);

@@ -6,6 +6,7 @@
  *   rheo_world_create(&def, &world, &error);       a world from a definition: world.h
  *   rheo_world_step(world, &error);                one fixed step
  *   rheo_recorder_open(...), rheo_verify(...);     recordings: record.h
+ *   rheo_same("golden.rlog", ...);                 the same physics where bits differ? same.h
  *   rheo_player_find(player, "ball: y < 8", ...);  searching them: find.h
  *   rheo_player_why(player, 81, NULL, 17, "velocity", ...);  who changed a particle: why.h
  *   rheo_world_surface(...), rheo_world_export(...);   surfaces, files, pictures: view.h
@@ -22,6 +23,7 @@
 #include "rheolog/record.h"
 #include "rheolog/find.h"
 #include "rheolog/why.h"
+#include "rheolog/same.h"
 #include "rheolog/view.h"
 #include "rheolog/plot.h"
 

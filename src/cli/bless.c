@@ -14,18 +14,25 @@ static uint32_t blessings(const char *path)
     return count;
 }
 
-static int bless(const char *old_path, const char *new_path, const char *because, bool shrink)
+/* `at_least`: the weakest verdict that is accepted; UNKNOWN: any, and only what costs little is found out. */
+static int bless(const char *old_path, const char *new_path, const char *because, bool shrink, rheo_sameness at_least)
 {
     rheo_verification v;
+    rheo_same_result same;
+    rheo_same_options options = rheo_default_same_options();
+    options.at_least = at_least == RHEO_SAMENESS_UNKNOWN ? RHEO_SAMENESS_ROUNDING : at_least;
     rheo_error error = {""};
     const bool existed = cli_exists(old_path);
     const uint32_t before = blessings(old_path);
     cli_watch_signals();
-    const rheo_result result = rheo_bless(old_path, new_path, because, shrink, &v, &error);
+    const rheo_result result = rheo_bless_same(old_path, new_path, because, shrink, &options,
+                                               at_least != RHEO_SAMENESS_UNKNOWN, &same, &v, &error);
     cli_watch_end();
     if (existed && v.verdict != RHEO_NOT_COMPARED)
         printf("%s: %s\n", old_path, v.message);
     cli_growth_text(&v);
+    if (existed && same.verdict != RHEO_SAMENESS_UNKNOWN)
+        cli_print(stdout, 2, "  %s\n", same.message);
     if (result != RHEO_OK)
         return cli_error(result, &error);
     const uint32_t count = blessings(old_path);
@@ -39,10 +46,12 @@ static int bless(const char *old_path, const char *new_path, const char *because
 
 static int run(int argc, char **argv)
 {
-    const char *because = NULL;
+    const char *because = NULL, *at_least = NULL;
+    rheo_sameness weakest = RHEO_SAMENESS_UNKNOWN;
     bool shrink = false;
     const cli_option options[] = {
         {"--because", NULL, "TEXT", CLI_TEXT, &because},
+        {"--at-least", NULL, "RUNG", CLI_TEXT, &at_least},
         {"--shrink", NULL, NULL, CLI_FLAG, &shrink},
         {0},
     };
@@ -53,11 +62,13 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_bless, "needs the golden recording and the new one; got %d", argc);
     if (!because || strspn(because, " \t\n") == strlen(because))
         return cli_usage(&cli_bless, "needs --because \"...\": what changed, and why that is right");
+    if (at_least && (status = cli_read_sameness(&cli_bless, at_least, &weakest)) != CLI_DONE)
+        return status;
     if ((status = cli_check_recording(argv[1])) != CLI_DONE)
         return status;
     if ((status = cli_check_folder(argv[0])) != CLI_DONE)
         return status;
-    return bless(argv[0], argv[1], because, shrink);
+    return bless(argv[0], argv[1], because, shrink, weakest);
 }
 
 static const char help[] = {

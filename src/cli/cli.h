@@ -105,6 +105,9 @@ bool cli_number_from(const char *text, uint64_t *value);
 /* Splits KEY=VALUE of --set and copies the key. Returns CLI_DONE, or CLI_BAD after a message. */
 int cli_split_setting(const cli_command *command, const char *text, char *key, size_t size, const char **value);
 
+/* Reads the rung of --at-least. Returns CLI_DONE, or CLI_BAD after a message. */
+int cli_read_sameness(const cli_command *command, const char *text, rheo_sameness *sameness);
+
 /* Selects the SIMD variant of the option --simd; NULL keeps the fastest one. */
 int cli_use_simd(const char *name);
 

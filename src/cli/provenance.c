@@ -57,6 +57,10 @@ void cli_blessings_json(rheo__json *json, const rheo_recording *recording)
         rheo__json_begin_object(json, NULL);
         rheo__json_text(json, "because", blessing.because);
         rheo__json_text(json, "build", blessing.build);
+        const bool known = blessing.verdict != RHEO_SAMENESS_UNKNOWN;
+        rheo__json_text(json, "verdict", known ? rheo_sameness_name(blessing.verdict) : NULL);
+        rheo__json_text(json, "at_least", known ? rheo_sameness_name(blessing.at_least) : NULL);
+        rheo__json_text(json, "same", known ? blessing.same : NULL);
         rheo__json_end_object(json);
     }
     rheo__json_end_list(json);
@@ -65,8 +69,12 @@ void cli_blessings_json(rheo__json *json, const rheo_recording *recording)
 void cli_blessings_text(const rheo_recording *recording)
 {
     rheo_blessing blessing;
-    for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++)
+    for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {
         cli_print(stdout, 12, "blessed     %s\n            by %s\n", blessing.because, blessing.build);
+        if (blessing.verdict != RHEO_SAMENESS_UNKNOWN)
+            cli_print(stdout, 12, "            %s (down to %s tried)\n", blessing.same,
+                      rheo_sameness_name(blessing.at_least));
+    }
     if (rheo_recording_get_info(recording).blessed && rheo_recording_blessing_count(recording) == 0)
         puts("blessed     with reasons that are lost: the recording is truncated");
 }

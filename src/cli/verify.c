@@ -49,6 +49,8 @@ static void print_next(const char *file, const rheo_difference *d)
                       file);
     cli_print_command(" -o new.rlog\n    rheolog bless", file);
     puts(" new.rlog --because \"...\"");
+    cli_print_command("  is it only rounding, and are the statistics the same?\n    rheolog same", file);
+    putchar('\n');
 }
 
 static void print_text(const char *file, const rheo_verification *v)

@@ -2,8 +2,6 @@
  * Blessing: the one way in which a golden recording changes. This build must reproduce the new
  * recording; the reason is written into it, after the reasons that the old and the new recording had.
  */
-#define _POSIX_C_SOURCE 200809L
-#include <sys/stat.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,13 +11,17 @@
 #include "record/lock.h"
 #include "record/recording.h"
 #include "record/replace.h"
+#include "rheolog/same.h"
 
 typedef struct blessing_files {
     const char *old_path, *new_path, *because;
     bool shrink;
-    rheo_recording *old, *new; /* old: NULL if none can be read */
-    rheo__found found;         /* at old_path; another blessing may replace it while this one compares */
-    const char *told;          /* the reason, and what was compared */
+    rheo_recording *old, *new;        /* old: NULL if none can be read */
+    rheo__found found;                /* at old_path; another blessing may replace it while this one compares */
+    const char *told;                 /* the reason, and what was compared */
+    const rheo_same_options *options; /* NULL: no verdict is asked for */
+    bool required;
+    rheo_same_result *same;
 } blessing_files;
 
 static rheo_result check_new(const char *path, rheo_error *error)
@@ -47,7 +49,8 @@ static rheo_result check_because(const char *because, rheo_error *error)
 static bool is_unchanged(const blessing_files *f, const rheo_verification *difference)
 {
     const rheo_recording *a = f->old, *b = f->new;
-    return a && difference->verdict == RHEO_SAME && a->head.full == b->head.full && a->blessing_count > 0;
+    return a && difference->verdict == RHEO_SAME && a->head.full == b->head.full && a->blessing_count > 0 &&
+           (a->members || !b->members);
 }
 
 /* A golden recording that has become smaller guards less, and nothing else would tell. */
@@ -63,6 +66,9 @@ static rheo_result check_shrink(const blessing_files *f, rheo_error *error)
                  (unsigned long long)b->first_step, (unsigned long long)b->last_step);
     else if (a->head.full && !b->head.full)
         snprintf(less, sizeof less, "it has the state of every step (--full), the new one does not");
+    else if (a->members && !b->members)
+        snprintf(less, sizeof less,
+                 "it has members, the new one does not (`rheolog same NEW --keep-members` makes them)");
     else if (b->head.field_count < a->head.field_count)
         snprintf(less, sizeof less, "its worlds have %u fields, those of the new one %u", a->head.field_count,
                  b->head.field_count);
@@ -104,19 +110,6 @@ static char *describe(const blessing_files *f, const rheo_verification *d)
     return text;
 }
 
-static rheo_result copy(rheo_recording *from, uint64_t offset, uint64_t end, rheo__writer *to, rheo_error *error)
-{
-    while (offset < end) {
-        size_t size = end - offset < RHEO__PIECE ? (size_t)(end - offset) : RHEO__PIECE;
-        if (!rheo__bytes_resize(&from->payload, size))
-            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to copy %.300s", from->head.scene);
-        RHEO__TRY(rheo__reader_read(&from->reader, offset, from->payload.data, size, error));
-        RHEO__TRY(rheo__writer_write(to, from->payload.data, size, error));
-        offset += size;
-    }
-    return RHEO_OK;
-}
-
 static bool has_blessing(const rheo_recording *r, const rheo_blessing *blessing)
 {
     for (uint32_t i = 0; r && i < r->blessing_count; i++)
@@ -126,44 +119,29 @@ static bool has_blessing(const rheo_recording *r, const rheo_blessing *blessing)
     return false;
 }
 
-/* A file that was read-only stays so. */
-static void keep_mode(const char *path, FILE *file)
-{
-#ifndef __wasi__ /* it has no modes */
-    struct stat status = {0};
-    if (stat(path, &status) == 0)
-        (void)fchmod(fileno(file), status.st_mode & 07777);
-#else
-    (void)path, (void)file;
-#endif
-}
-
 /* The new recording with the mark; the reasons of the old one, those that only the new one has, and this one. */
 static rheo_result write_blessed(rheo__writer *to, const void *user, rheo_error *error)
 {
     const blessing_files *f = user;
     rheo_recording *r = f->new;
-    RHEO__TRY(copy(r, 0, r->head_end, to, error));
+    RHEO__TRY(rheo__recording_copy(r, 0, r->head_end, to, error));
     if (!r->golden)
         RHEO__TRY(rheo__golden_write(to, error));
     const uint64_t moved = to->written - r->head_end;
-    RHEO__TRY(copy(r, r->head_end, r->end, to, error));
+    RHEO__TRY(rheo__recording_copy(r, r->head_end, r->end, to, error));
     for (uint32_t i = 0; f->old && i < f->old->blessing_count; i++)
         RHEO__TRY(rheo__blessing_write(to, r->last_step, &f->old->blessings[i], error));
     for (uint32_t i = 0; i < r->blessing_count; i++)
         if (!has_blessing(f->old, &r->blessings[i]))
             RHEO__TRY(rheo__blessing_write(to, r->last_step, &r->blessings[i], error));
-    RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){f->told, rheo_build()}, error));
-    rheo__bytes index = {0};
-    for (size_t i = 0; i < r->keyframe_count; i++)
-        rheo__index_put(&index, r->keyframes[i].step, r->keyframes[i].start + moved, r->keyframes[i].end + moved);
-    rheo_result result = index.failed
-                             ? rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording")
-                             : rheo__recording_write_end(to, &index, r->first_step, r->last_step,
-                                                         r->has_last_hash ? &r->last_hash : NULL, error);
-    rheo__bytes_release(&index);
-    keep_mode(f->old_path, to->file);
-    return result;
+    const rheo_blessing blessing = {.because = f->told,
+                                    .build = rheo_build(),
+                                    .verdict = f->same->verdict,
+                                    .at_least = f->options ? f->options->at_least : RHEO_SAMENESS_UNKNOWN,
+                                    .same = f->same->message};
+    RHEO__TRY(rheo__blessing_write(to, r->last_step, &blessing, error));
+    rheo__keep_mode(f->old_path, to);
+    return rheo__recording_copy_end(r, moved, to, error);
 }
 
 static rheo_result replace(blessing_files *f, const rheo_verification *difference, rheo_error *error)
@@ -202,6 +180,49 @@ static rheo_result open_found(blessing_files *f, rheo_error *error)
                          : rheo__fail(error, RHEO_ERROR_FILE, "cannot read %.300s: %s", f->old_path, strerror(errno));
 }
 
+/* Whether the steps that both recordings have were given the same commands. */
+static bool same_commands(rheo_recording *a, rheo_recording *b)
+{
+    const uint64_t last = a->last_step < b->last_step ? a->last_step : b->last_step;
+    for (uint64_t i = 0;; i++) {
+        rheo_command x = {.step = UINT64_MAX}, y = {.step = UINT64_MAX};
+        const bool more_x = rheo_recording_command(a, i, &x, NULL) == RHEO_OK && x.step <= last,
+                   more_y = rheo_recording_command(b, i, &y, NULL) == RHEO_OK && y.step <= last;
+        if (!more_x && !more_y)
+            return true;
+        if (more_x != more_y || x.step != y.step || x.kind != y.kind || strcmp(x.text, y.text) != 0)
+            return false;
+    }
+}
+
+/* Whether both recordings are of the same run, so that it is only the program that changed. */
+static bool is_same_run(const blessing_files *f, const rheo_verification *d)
+{
+    const bool compared = d->verdict == RHEO_SAME || d->verdict == RHEO_DIFFERS;
+    const bool other_start = d->verdict == RHEO_DIFFERS && !d->lengths_differ && d->first.step == d->first_step[0];
+    return f->old && f->old->complete && compared && d->parameter_count == 0 &&
+           d->first_step[0] == d->first_step[1] && !other_start && same_commands(f->old, f->new);
+}
+
+/* How far the change goes from the old recording to this build. */
+static rheo_result find_verdict(blessing_files *f, const rheo_verification *d, rheo_error *error)
+{
+    rheo_error why;
+    rheo_result result = RHEO_OK;
+    if (!f->options)
+        return RHEO_OK;
+    if (is_same_run(f, d))
+        result = rheo_same(f->old_path, f->options, f->same, &why);
+    else
+        snprintf(f->same->message, sizeof f->same->message, "unknown: the two recordings are not of the same run");
+    if (result != RHEO_OK && result != RHEO_ERROR_UNSUPPORTED) /* a world of other stages has no verdict */
+        return rheo__fail(error, result, "%s", why.message);
+    if (!f->required || f->same->verdict >= f->options->at_least)
+        return RHEO_OK;
+    return rheo__fail(error, RHEO_ERROR_DIFFERS, "%.100s is not replaced, since at least %s is asked for; %.360s",
+                      f->old_path, rheo_sameness_name(f->options->at_least), f->same->message);
+}
+
 static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_error *error)
 {
     RHEO__TRY(check_because(f->because, error));
@@ -222,18 +243,34 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
     if (is_unchanged(f, difference))
         return RHEO_OK;
     RHEO__TRY(check_shrink(f, error));
+    RHEO__TRY(find_verdict(f, difference, error));
     return replace(f, difference, error);
 }
 
-rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,
-                       rheo_verification *difference, rheo_error *error)
+rheo_result rheo_bless_same(const char *old_path, const char *new_path, const char *because, bool shrink,
+                            const rheo_same_options *options, bool required, rheo_same_result *same,
+                            rheo_verification *difference, rheo_error *error)
 {
     memset(difference, 0, sizeof *difference);
-    blessing_files f = {.old_path = old_path, .new_path = new_path, .because = because, .shrink = shrink};
+    memset(same, 0, sizeof *same);
+    blessing_files f = {.old_path = old_path,
+                        .new_path = new_path,
+                        .because = because,
+                        .shrink = shrink,
+                        .options = options,
+                        .required = required,
+                        .same = same};
     rheo_result result = bless(&f, difference, error);
     rheo_recording_close(f.old);
     rheo_recording_close(f.new);
     if (f.found.file)
         fclose(f.found.file);
     return result;
+}
+
+rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,
+                       rheo_verification *difference, rheo_error *error)
+{
+    rheo_same_result same;
+    return rheo_bless_same(old_path, new_path, because, shrink, NULL, false, &same, difference, error);
 }

@@ -20,6 +20,7 @@ bool rheo__chunk_known(uint32_t type)
     case RHEO__HEAD:
     case RHEO__GOLD:
     case RHEO__MADE:
+    case RHEO__MEMB:
     case RHEO__FILD:
     case RHEO__KEYF:
     case RHEO__INPT:
@@ -27,6 +28,7 @@ bool rheo__chunk_known(uint32_t type)
     case RHEO__STEP:
     case RHEO__FAIL:
     case RHEO__BLES:
+    case RHEO__SAME:
     case RHEO__INDX:
     case RHEO__DONE:
         return true;
@@ -38,7 +40,8 @@ bool rheo__chunk_known(uint32_t type)
 /* The flag that every chunk of a type has, or none has. */
 static uint32_t flag_of(uint32_t type)
 {
-    return type == RHEO__GOLD || type == RHEO__MADE ? RHEO__CHUNK_OPTIONAL : 0;
+    return type == RHEO__GOLD || type == RHEO__MADE || type == RHEO__MEMB || type == RHEO__SAME ? RHEO__CHUNK_OPTIONAL
+                                                                                                : 0;
 }
 
 void rheo__chunk_name(uint32_t type, char name[5])

@@ -10,6 +10,7 @@ enum {
     RHEO__HEAD = RHEO__CHUNK('H', 'E', 'A', 'D'), /* scene, definition, layout and build */
     RHEO__GOLD = RHEO__CHUNK('G', 'O', 'L', 'D'), /* it is blessed; optional */
     RHEO__MADE = RHEO__CHUNK('M', 'A', 'D', 'E'), /* how it was made; optional */
+    RHEO__MEMB = RHEO__CHUNK('M', 'E', 'M', 'B'), /* members: runs that show what is chance; optional */
     RHEO__FILD = RHEO__CHUNK('F', 'I', 'L', 'D'), /* pieces of the fields of a keyframe, before its KEYF */
     RHEO__KEYF = RHEO__CHUNK('K', 'E', 'Y', 'F'), /* a complete state */
     RHEO__INPT = RHEO__CHUNK('I', 'N', 'P', 'T'), /* a command, before the STEP that it precedes */
@@ -17,6 +18,7 @@ enum {
     RHEO__STEP = RHEO__CHUNK('S', 'T', 'E', 'P'), /* a step: hashes and metrics */
     RHEO__FAIL = RHEO__CHUNK('F', 'A', 'I', 'L'), /* the step that failed */
     RHEO__BLES = RHEO__CHUNK('B', 'L', 'E', 'S'), /* why a golden recording was accepted */
+    RHEO__SAME = RHEO__CHUNK('S', 'A', 'M', 'E'), /* how far a blessed change goes, after its BLES; optional */
     RHEO__INDX = RHEO__CHUNK('I', 'N', 'D', 'X'), /* where the keyframes are */
     RHEO__DONE = RHEO__CHUNK('D', 'O', 'N', 'E'), /* the end mark */
 };

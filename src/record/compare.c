@@ -196,7 +196,8 @@ void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__value
     }
 }
 
-rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected)
+rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, rheo__fields except,
+                                           uint64_t *expected)
 {
     uint64_t hash[RHEO__FIELD_COUNT];
     rheo__fields written = 0;
@@ -210,7 +211,7 @@ rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_w
     }
     for (field = 0; field < RHEO__FIELD_COUNT; field++) {
         uint64_t own;
-        if (!(written >> field & 1))
+        if (!((written & ~except) >> field & 1))
             continue;
         rheo__state_hash_newest(&world->state, RHEO__SET_OF(field), &own);
         *expected = hash[field];

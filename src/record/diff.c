@@ -252,7 +252,7 @@ static rheo_result compare_start_by_hashes(comparison *c, const side *played, co
     uint64_t hash;
     const rheo_world *world = rheo_player_world(played->player);
     RHEO__TRY(rheo__recording_read_step(other->r, (size_t)(step - other->r->first_step - 1), error));
-    const rheo__field_id field = rheo__recording_wrong_field(other->r, world, &hash);
+    const rheo__field_id field = rheo__recording_wrong_field(other->r, world, 0, &hash);
     if (field == RHEO__FIELD_COUNT)
         return RHEO_OK;
     c->v->verdict = RHEO_DIFFERS;

@@ -1,6 +1,6 @@
 /*
- * The end of a recording: FAIL, the step that failed, and BLES, why a golden recording was accepted. Both are between
- * the last step and the index. A file that lost its end still says at its beginning that it is blessed: GOLD.
+ * The end of a recording: FAIL, the step that failed, BLES, why a golden recording was accepted, and SAME, how far that
+ * change goes. All are between the last step and the index. A file that lost its end still says at its beginning that it is blessed: GOLD.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +55,7 @@ bool rheo_recording_failure(const rheo_recording *r, rheo_failure *failure)
     return r->has_failure;
 }
 
-/* ---- BLES ---- */
+/* ---- BLES, SAME ---- */
 
 rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo_blessing *blessing,
                                  rheo_error *error)
@@ -64,6 +64,14 @@ rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo
     rheo__put_text(&bytes, blessing->because);
     rheo__put_text(&bytes, blessing->build);
     rheo_result result = rheo__chunk_write(writer, RHEO__BLES, step, &bytes, false, error);
+    rheo__bytes_release(&bytes);
+    if (result != RHEO_OK || blessing->verdict == RHEO_SAMENESS_UNKNOWN)
+        return result;
+    bytes = (rheo__bytes){0};
+    rheo__put_u32(&bytes, (uint32_t)blessing->verdict);
+    rheo__put_u32(&bytes, (uint32_t)blessing->at_least);
+    rheo__put_text(&bytes, blessing->same);
+    result = rheo__chunk_write(writer, RHEO__SAME, step, &bytes, false, error);
     rheo__bytes_release(&bytes);
     return result;
 }
@@ -80,7 +88,7 @@ rheo_result rheo__blessing_get(rheo__cursor *cursor, rheo_recording *r, rheo_err
         rheo__get_text(cursor, build, room);
     }
     if (enough && !cursor->failed && rheo__cursor_left(cursor) == 0) {
-        r->blessings[r->blessing_count++] = (rheo_blessing){because, build};
+        r->blessings[r->blessing_count++] = (rheo_blessing){.because = because, .build = build, .same = ""};
         return RHEO_OK;
     }
     free(because);
@@ -89,11 +97,36 @@ rheo_result rheo__blessing_get(rheo__cursor *cursor, rheo_recording *r, rheo_err
                   : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the blessings of the recording");
 }
 
+rheo_result rheo__same_get(rheo__cursor *cursor, rheo_recording *r, rheo_error *error)
+{
+    rheo_blessing *blessing = r->blessing_count ? &r->blessings[r->blessing_count - 1] : NULL;
+    const size_t room = (rheo__cursor_left(cursor) < UINT16_MAX ? rheo__cursor_left(cursor) : UINT16_MAX) + 1;
+    char *same = malloc(room);
+    if (!same)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the blessings of the recording");
+    const uint32_t verdict = rheo__get_u32(cursor), at_least = rheo__get_u32(cursor);
+    rheo__get_text(cursor, same, room);
+    const bool fits = !cursor->failed && blessing && blessing->verdict == RHEO_SAMENESS_UNKNOWN;
+    /* A verdict of a later version is not known here. */
+    if (fits && verdict > 0 && verdict <= RHEO_SAMENESS_BITS && at_least > 0 && at_least <= RHEO_SAMENESS_BITS) {
+        blessing->verdict = (rheo_sameness)verdict;
+        blessing->at_least = (rheo_sameness)at_least;
+        blessing->same = same;
+        return RHEO_OK;
+    }
+    free(same);
+    return fits ? RHEO_OK
+                : rheo__fail(error, RHEO_ERROR_FORMAT,
+                             "damaged: the verdict of a blessing cannot be read, or it has two");
+}
+
 void rheo__blessings_release(rheo_recording *r)
 {
     for (uint32_t i = 0; i < r->blessing_count; i++) {
         free((char *)(uintptr_t)r->blessings[i].because);
         free((char *)(uintptr_t)r->blessings[i].build);
+        if (r->blessings[i].verdict != RHEO_SAMENESS_UNKNOWN)
+            free((char *)(uintptr_t)r->blessings[i].same);
     }
     free(r->blessings);
     r->blessings = NULL;

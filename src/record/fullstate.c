@@ -262,8 +262,8 @@ static uint64_t stored_number(const rheo__values *now, rheo__field_id field)
     return number;
 }
 
-rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
-                               rheo_error *error)
+rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo__fields own,
+                               rheo_world *world, rheo_error *error)
 {
     rheo__work_state();
     rheo__state *s = &world->state;
@@ -299,7 +299,7 @@ rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__val
         rheo__world_push_history(world, before);
     RHEO__TRY(rheo__world_check_state(world, false, error));
     uint64_t expected_hash;
-    rheo__field_id wrong = rheo__recording_wrong_field(r, world, &expected_hash);
+    rheo__field_id wrong = rheo__recording_wrong_field(r, world, own, &expected_hash);
     if (wrong != RHEO__FIELD_COUNT)
         return rheo__fail(error, RHEO_ERROR_FORMAT,
                           "damaged: in the stored state of step %llu %s does not have its hash",

@@ -57,6 +57,7 @@ void rheo_recording_close(rheo_recording *r)
     rheo__reader_close(&r->reader);
     rheo__head_release(&r->head);
     rheo__made_release(&r->made);
+    rheo__members_destroy(r->members);
     rheo__bytes_release(&r->payload);
     rheo__blessings_release(r);
     rheo__values_release(&r->before);

@@ -57,9 +57,12 @@ rheo_result rheo__full_write(rheo__pieces_writer *pieces, rheo__fields present, 
 rheo_result rheo__full_read(rheo__pieces_reader *pieces, rheo__fields present, uint64_t raw,
                             const rheo__values *before, rheo__values *now, rheo_error *error);
 
-/* Puts a stored state into a world that is at the step before and was given the commands of the step. */
-rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
-                               rheo_error *error);
+/*
+ * Puts a stored state into a world that is at the step before and was given the commands of the step. `own`: fields that
+ * the world makes itself, of the history, and that need not have the recorded hashes.
+ */
+rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo__fields own,
+                               rheo_world *world, rheo_error *error);
 
 /* ---- How a recording ends (record/ending.c) ---- */
 
@@ -68,15 +71,26 @@ rheo_result rheo__failure_write(rheo__writer *writer, const rheo_failure *failur
 /* False: damaged. */
 bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *failure, uint32_t *inputs, double *metrics,
                        uint32_t metric_count);
+/* With its verdict, if that is known. */
 rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo_blessing *blessing,
                                  rheo_error *error);
 /* Reads a blessing and adds it to the recording. */
 rheo_result rheo__blessing_get(rheo__cursor *cursor, rheo_recording *recording, rheo_error *error);
+/* Reads the verdict of the last blessing. */
+rheo_result rheo__same_get(rheo__cursor *cursor, rheo_recording *recording, rheo_error *error);
 void rheo__blessings_release(rheo_recording *recording);
 /* Writes GOLD. */
 rheo_result rheo__golden_write(rheo__writer *writer, rheo_error *error);
 /* Whether a file is a blessed recording, however much of it is lost: it has GOLD or BLES, or the start of one. */
 bool rheo__reader_is_blessed(rheo__reader *reader);
+
+/* ---- Members (record/members_file.c) ---- */
+
+struct rheo__members;
+/* Reads MEMB and makes them with malloc. Nothing needs to be released after a failure. */
+rheo_result rheo__members_get(rheo__cursor *cursor, struct rheo__members **members, rheo_error *error);
+/* Releases them and their contents. NULL is allowed. */
+void rheo__members_destroy(struct rheo__members *members);
 
 /* ---- An open recording ---- */
 
@@ -111,7 +125,9 @@ struct rheo_recording {
     rheo__step_chunks failed; /* its commands */
     rheo_blessing *blessings;
     uint32_t blessing_count;
-    bool golden;       /* GOLD: it was blessed, even if the blessings at its end are lost */
+    bool golden;                   /* GOLD: it was blessed, even if the blessings at its end are lost */
+    struct rheo__members *members; /* MEMB: runs that show what is chance; NULL: none */
+    uint64_t members_start, members_end;
     uint64_t head_end; /* offset past HEAD */
     uint64_t last_hash;
     bool has_failure, has_last_hash;
@@ -231,10 +247,11 @@ bool rheo__compare_values(rheo__field_id field, const rheo__values *expected, co
 void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__values *expected,
                           const rheo__values *actual);
 /*
- * Finds the first field of a world, at the end of the step of r->expected, whose hash differs from the recorded hash
- * after the last stage that wrote it. *expected becomes the recorded hash. RHEO__FIELD_COUNT: none differs.
+ * Finds the first field of a world but for `except`, at the end of the step of r->expected, whose hash differs from the
+ * recorded hash after the last stage that wrote it. *expected becomes the recorded hash. RHEO__FIELD_COUNT: none differs.
  */
-rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
+rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, rheo__fields except,
+                                           uint64_t *expected);
 /* Sets the members of a difference that hashes determine. */
 void rheo__difference_locate(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field);
 /* Solves for the one component that explains another hash, expected or actual, of a field. False: none does. */
@@ -266,6 +283,15 @@ void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t
 /* Writes the index and the end mark. `hash` of the last state: NULL if it is not known. */
 rheo_result rheo__recording_write_end(rheo__writer *writer, const rheo__bytes *index, uint64_t first_step,
                                       uint64_t last_step, const uint64_t *hash, rheo_error *error);
+
+/* ---- Writing one again with other chunks (record/rewrite.c) ---- */
+
+rheo_result rheo__recording_copy(rheo_recording *from, uint64_t offset, uint64_t end, rheo__writer *to,
+                                 rheo_error *error);
+/* Writes the index and the end mark; the bytes of the keyframes were moved by so much (modulo 2^64). */
+rheo_result rheo__recording_copy_end(const rheo_recording *r, uint64_t moved, rheo__writer *to, rheo_error *error);
+/* A file that was read-only stays so when it is written again. */
+void rheo__keep_mode(const char *path, rheo__writer *to);
 
 /* ---- Comparing two (record/diff.c) ---- */
 

@@ -88,7 +88,7 @@ rheo_result rheo__recording_forward(rheo_recording *r, size_t index, rheo_world 
         RHEO__TRY(rheo__recording_command(r, &r->steps[index], step, world, error));
         RHEO__TRY(rheo__recording_read_step(r, index, error));
         RHEO__TRY(rheo__recording_read_state(r, index, world->state.present, &r->before, &r->now, error));
-        return rheo__full_restore(r, step, &r->now, world, error);
+        return rheo__full_restore(r, step, &r->now, 0, world, error);
     }
     size_t different;
     RHEO__TRY(rheo__recording_replay(r, index, world, &different, error));

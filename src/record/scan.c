@@ -116,6 +116,18 @@ static rheo_result see_made(walk *w, const rheo__chunk *chunk, rheo_error *error
     return rheo__made_get(&cursor, &r->made, error);
 }
 
+static rheo_result see_members(walk *w, const rheo__chunk *chunk, rheo_error *error)
+{
+    rheo_recording *r = w->r;
+    if (r->keyframe_count || !nothing_pending(&w->pending) || r->members)
+        return rheo__chunk_damaged(chunk, "does not follow HEAD", error);
+    RHEO__TRY(rheo__chunk_read(&r->reader, chunk, &r->payload, error));
+    rheo__cursor cursor = rheo__cursor_over(&r->payload);
+    r->members_start = chunk->offset;
+    r->members_end = chunk->end;
+    return rheo__members_get(&cursor, &r->members, error);
+}
+
 static rheo_result see_keyframe(walk *w, const rheo__chunk *chunk, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -200,6 +212,13 @@ static rheo_result see_blessing(walk *w, const rheo__chunk *chunk, rheo_error *e
     return rheo__blessing_get(&cursor, r, error);
 }
 
+static rheo_result see_same(walk *w, const rheo__chunk *chunk, rheo_error *error)
+{
+    RHEO__TRY(rheo__chunk_read(&w->r->reader, chunk, &w->r->payload, error));
+    rheo__cursor cursor = rheo__cursor_over(&w->r->payload);
+    return rheo__same_get(&cursor, w->r, error);
+}
+
 static rheo_result see_index(walk *w, const rheo__chunk *chunk, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -265,6 +284,8 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
         return see_golden(w, chunk, error);
     case RHEO__MADE:
         return see_made(w, chunk, error);
+    case RHEO__MEMB:
+        return see_members(w, chunk, error);
     case RHEO__KEYF:
         RHEO__TRY(see_keyframe(w, chunk, error));
         break;
@@ -276,6 +297,8 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
         break;
     case RHEO__BLES:
         return see_blessing(w, chunk, error);
+    case RHEO__SAME:
+        return see_same(w, chunk, error);
     case RHEO__INDX:
         return see_index(w, chunk, error);
     case RHEO__DONE:

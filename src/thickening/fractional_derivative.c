@@ -170,7 +170,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
         /* Number of this step within a pass. */
         const size_t turn = (size_t)((ring->pushed + block * AHEAD / blocks) % AHEAD);
         rheo_real(*ahead)[RHEO__RING_BLOCK] = (void *)(a->sum + block * AHEAD * RHEO__RING_BLOCK);
-        /* Also if the pass of this turn has not been made, since steps were loaded, not run. */
+        /* Steps may have been taken from a recording since, without this stage: then the sums are of an earlier pass. */
         if (turn == 0 || a->pushed[block] == UINT64_MAX || ring->pushed - a->pushed[block] > turn) {
             sum_ahead(t, ring, block, rows, ahead);
             if (turn)
