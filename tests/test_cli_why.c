@@ -100,10 +100,12 @@ static void a_chain_says_why_it_ends(void **state)
     assert_in("\n  ends: before step 4, gravity was set to [0,-50,0]\n", out);
 }
 
-/* Gravity is so large that distances overflow: the step fails, and NaN is born in the forces. */
+/* Pressures are so large that distances overflow: the step fails, and NaN is born in the forces. */
 static void not_a_number_is_followed_to_its_birth(void **state)
 {
     (void)state;
+    if (sizeof(rheo_real) != sizeof(float))
+        skip(); /* a double holds such distances */
     record("a.rlog");
     assert_code(1, run("run --from a.rlog@4 --steps 2 --set fluid.stiffness=1e30 -o bad.rlog --force --quiet"));
     assert_code(1, run("doctor bad.rlog --json"));
@@ -288,6 +290,8 @@ static void doctor_ends_with_the_chain(void **state)
     record("a.rlog");
     assert_code(0, run("doctor a.rlog --json"));
     assert_in("\"chain\": null, \"chain_end\": null, \"chain_why\": null}", out);
+    if (sizeof(rheo_real) != sizeof(float))
+        skip(); /* a double holds such distances */
     assert_code(1, run("run --from a.rlog@4 --steps 2 --set fluid.stiffness=1e30 -o bad.rlog --force --quiet"));
     assert_code(1, run("doctor bad.rlog"));
     assert_in("\n  rheolog why bad.rlog --step 5 --particle ", out);

@@ -6,7 +6,7 @@
 typedef struct printing {
     const cli_why_request *request;
     const rheo_world *world;
-    uint64_t changes, links;
+    uint64_t changes;
     bool not_finite; /* a value was not finite */
     rheo__json *json;
 } printing;
@@ -28,7 +28,6 @@ static bool print_link(void *data, const rheo_link *link)
 {
     printing *p = data;
     char text[CLI_WHY_TEXT];
-    p->links++;
     if (p->json)
         cli_why_link_json(p->json, link);
     else
