@@ -49,6 +49,25 @@ static rheo_scene scene_of(rheo_fill fill)
     return scene;
 }
 
+/* A block has a particle more along an axis from half a spacing on. */
+static void half_a_spacing_is_rounded_up(void **unused)
+{
+    (void)unused;
+    static const double SIZE[][3] = {{2, 3, 4}, {2.5, 3.5, 4.5}, {2.4375, 1.5625, 3}, {.5, .5, .5}};
+    static const uint64_t COUNT[][3] = {{2, 3, 4}, {3, 4, 5}, {2, 2, 3}, {1, 1, 1}};
+    for (size_t i = 0; i < sizeof SIZE / sizeof *SIZE; i++) {
+        rheo_scene scene = scene_of((rheo_fill){.kind = RHEO_FILL_BLOCK, .min = {-1, 0, 2}});
+        for (int a = 0; a < 3; a++)
+            fills_of(&scene)[0].max[a] = fills_of(&scene)[0].min[a] + SIZE[i][a];
+        filled f = fill_scene(&scene);
+        assert_int_equal(f.count, COUNT[i][0] * COUNT[i][1] * COUNT[i][2]);
+        for (size_t a = 0; a < 3; a++)
+            NEAR((double)f.position[3 * (f.count - 1) + a], fills_of(&scene)[0].min[a] + (double)COUNT[i][a] - .5,
+                 1e-6);
+        release(&f);
+    }
+}
+
 static void letters_have_a_particle_per_dot(void **unused)
 {
     (void)unused;
@@ -418,6 +437,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(letters_have_a_particle_per_dot),
+        cmocka_unit_test(half_a_spacing_is_rounded_up),
         cmocka_unit_test(a_mesh_from_a_file_is_placed_and_scaled),
         cmocka_unit_test(the_bunny_is_placed_at_its_position),
         cmocka_unit_test(shapes_have_temperatures_and_densities),
