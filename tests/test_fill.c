@@ -137,6 +137,40 @@ static void letters_have_a_particle_per_dot(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 0", rheo_scene_check(&scene, &error));
 }
 
+/* Each missing letter is listed once, and none by halves: a letter of several bytes was repeated, and cut. */
+static void missing_letters_are_listed_once_and_whole(void **unused)
+{
+    (void)unused;
+#define TEN(text) text text text text text text text text text text
+    static const char *const LISTED[][2] = {
+        {"ab#ba#b#", "ab#"},
+        {"\xe2\x82\xac"
+         "A"
+         "\xe2\x82\xac",
+         "\xe2\x82\xac"},
+        {"\xc3\xa9\xc3\xa8\xc3\xa9", "\xc3\xa9\xc3\xa8"},
+        {"\1\1\2\x7f", "???"},
+        {"abcdefghijklmnopqrstuvwxyz", "abcdefghijklmnopqrstuvw"}, /* room for 23 */
+        {"abcdefghijklmnopqrst\xe2\x82\xac", "abcdefghijklmnopqrst\xe2\x82\xac"},
+        {"abcdefghijklmnopqrstu\xe2\x82\xac"
+         "z",
+         "abcdefghijklmnopqrstuz"}, /* no half of a letter */
+        {"\xe2" TEN("\x82") TEN("\x82") TEN("\x82"), ""}};
+#undef TEN
+    for (size_t i = 0; i < sizeof LISTED / sizeof *LISTED; i++) {
+        rheo_error why;
+        char expected[128];
+        assert_int_equal(rheo__letters_check(LISTED[i][0], &why), RHEO_ERROR_ARGUMENT);
+        snprintf(expected, sizeof expected, "there is no letter for: %s; there are (with a blank):", LISTED[i][1]);
+        if (strncmp(why.message, expected, strlen(expected)) != 0)
+            fail_msg("\"%s\" does not begin with \"%s\"", why.message, expected);
+        for (const char *c = strchr(why.message, ':') + 1; *c; c++)
+            if (*c >= 'A' && *c <= 'Z')
+                assert_true(c[1] == *c + 1 || *c == 'Z');
+    }
+    OK(rheo__letters_check("THE 0123456789", &error));
+}
+
 /* A box from a file has the same particles as a block of its size. */
 static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
 {
@@ -438,6 +472,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(letters_have_a_particle_per_dot),
         cmocka_unit_test(half_a_spacing_is_rounded_up),
+        cmocka_unit_test(missing_letters_are_listed_once_and_whole),
         cmocka_unit_test(a_mesh_from_a_file_is_placed_and_scaled),
         cmocka_unit_test(the_bunny_is_placed_at_its_position),
         cmocka_unit_test(shapes_have_temperatures_and_densities),
