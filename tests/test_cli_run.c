@@ -348,11 +348,22 @@ static void a_full_disk_leaves_a_readable_recording(void **state)
     assert_in("cannot write", err);
 }
 
+/* A log gets no lines that are written over: a terminal would get them after a fifth of a second. */
+static void a_file_gets_no_codes_of_a_terminal(void **state)
+{
+    (void)state;
+    assert_code(0, run("run bowling-ball-small --set particles=500 --set settle.time=0 --steps 6000"));
+    assert_in("expected: kappa", err);
+    assert_null(strchr(err, '\r'));
+    assert_null(strchr(err, '\033'));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(run_has_its_keys),
         cmocka_unit_test(an_empty_scene_runs),
+        cmocka_unit_test(a_file_gets_no_codes_of_a_terminal),
         cmocka_unit_test(a_bad_scene_file_is_reported),
         cmocka_unit_test(a_mesh_path_is_relative_to_its_scene),
         cmocka_unit_test(written_scenes_run_the_same),

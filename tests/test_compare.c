@@ -363,6 +363,77 @@ static void what_is_not_compared_keeps_the_steps_before_a_stop(void **unused)
 
 /* ---- Hashes ---- */
 
+static void check_solution(const rheo_world *world, rheo__field_id f, uint64_t hash, rheo__real_bits was,
+                           rheo__real_bits is, double scale)
+{
+    for (int expected = 0; expected < 2; expected++) {
+        rheo_difference d;
+        memset(&d, 0x55, sizeof d);
+        assert_true(rheo__difference_solve(&d, &world->state, f, hash, expected));
+        rheo_real x, y;
+        memcpy(&x, expected ? &was : &is, sizeof x);
+        memcpy(&y, expected ? &is : &was, sizeof y);
+        assert_true(d.origin == RHEO_VALUES_SOLVED && d.count == 1 && !d.only_expected && !d.only_actual);
+        assert_true(d.expected == (double)x && d.actual == (double)y);
+        assert_true(d.largest == fabs((double)x - (double)y) && d.scale == scale && d.ulps == 1);
+        assert_true(d.expected_bits == (expected ? was : is) && d.actual_bits == (expected ? is : was));
+        assert_string_equal(d.value_field, rheo__field_table[f].name);
+    }
+}
+
+/* The lowest bit of a value is solved from the hash. Of a flat array the largest value is told as the scale, of others none. */
+static void a_changed_bit_is_solved_with_its_size(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 2);
+    size_t solved = 0;
+    rheo__real_bits was, is;
+    for (rheo__field_id f = 1; f < RHEO__FIELD_COUNT; f++) {
+        if (!rheo__state_has(&world->state, f) || rheo__field_table[f].element != RHEO__ELEMENT_REAL ||
+            rheo__field_table[f].storage != RHEO__FLAT)
+            continue;
+        rheo_real *value;
+        memcpy(&value, (const char *)&world->state + rheo__field_table[f].offset, sizeof value);
+        const size_t count = rheo__state_items(&world->state, f) * rheo__field_table[f].components;
+        const size_t at = count / 2;
+        uint64_t hash;
+        rheo__state_hash_newest(&world->state, RHEO__SET_OF(f), &hash);
+        memcpy(&was, &value[at], sizeof was);
+        is = was ^ 1;
+        memcpy(&value[at], &is, sizeof is);
+        double scale = 0;
+        for (size_t i = 0; i < count; i++)
+            scale = fmax(scale, fabs((double)value[i]));
+        if (value[at] != 0)
+            check_solution(world, f, hash, was, is, scale);
+        memcpy(&value[at], &was, sizeof was);
+        solved++;
+    }
+    assert_true(solved > 5);
+    rheo__springs *springs = &world->state.springs;
+    const rheo__pairs *p = &springs->pairs;
+    size_t rests = 0;
+    for (uint32_t i = 0; i < p->rows && !rests; i++)
+        RHEO__EACH_SPRING(springs, i, k)
+        {
+            size_t other = rheo__pairs_first(p, rheo__pairs_partner(p, k));
+            while (rheo__pairs_partner(p, other) != i)
+                other += p->width;
+            uint64_t hash;
+            rheo__state_hash_newest(&world->state, RHEO__SET_OF(RHEO__FIELD_spring_rest_length), &hash);
+            memcpy(&was, &springs->rest_length[k], sizeof was);
+            is = was ^ 1;
+            memcpy(&springs->rest_length[k], &is, sizeof is);
+            springs->rest_length[other] = springs->rest_length[k];
+            check_solution(world, RHEO__FIELD_spring_rest_length, hash, was, is, 0);
+            rests++;
+            break;
+        }
+    assert_int_equal(rests, 1);
+    rheo_world_destroy(world);
+}
+
 /* The field that has not the recorded hash is named, whichever it is. */
 static void the_field_with_another_hash_is_found(void **unused)
 {
@@ -417,6 +488,7 @@ int main(void)
         cmocka_unit_test(ulps_are_given_only_where_they_say_something),
         cmocka_unit_test(an_unreadable_file_says_how_many_steps_hold),
         cmocka_unit_test(what_is_not_compared_keeps_the_steps_before_a_stop),
+        cmocka_unit_test(a_changed_bit_is_solved_with_its_size),
         cmocka_unit_test(the_field_with_another_hash_is_found),
     };
     return cmocka_run_group_tests_name("compare", tests, NULL, NULL);

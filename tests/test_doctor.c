@@ -372,6 +372,28 @@ static void make_fail(rheo_world *world, int step)
         OK(rheo_world_set(world, "step", "1e6", &error));
 }
 
+static void make_stiff(rheo_world *world, int step)
+{
+    if (step == 3)
+        OK(rheo_world_set(world, "history.stiffness", "3000", &error));
+}
+
+/* To leave out a command is advised first, and the advice for the state without a command follows, all of it. */
+static void leaving_out_a_command_is_advised_first(void **state)
+{
+    (void)state;
+    rheo_result result;
+    file f = record(stiff_world(1), 200, make_stiff, &result);
+    const rheo_diagnosis d = diagnose(&f);
+    assert_true(!d.healthy && d.suspect_count == 1 && d.suspects[0].step == 4);
+    assert_in("without the command before step 4", d.advice[0].text);
+    assert_true(!d.advice[0].set[0] && d.advice[0].from == 3 && d.advice[0].can_continue);
+    assert_int_equal(d.advice_count, 2);
+    assert_string_equal(d.advice[1].set, "springs.solver=implicit");
+    assert_true(d.advice[1].text[0] != 0);
+    free(f.bytes);
+}
+
 /* Precursors count only in an uninterrupted sequence up to the failed step or severe finding. */
 static void precursors_long_before_a_failure_are_not_its_cause(void **state)
 {
@@ -457,6 +479,7 @@ int main(void)
         cmocka_unit_test(a_flipped_byte_of_a_keyframe_is_found),
         cmocka_unit_test(a_failure_without_precursors_is_still_named),
         cmocka_unit_test(precursors_long_before_a_failure_are_not_its_cause),
+        cmocka_unit_test(leaving_out_a_command_is_advised_first),
         cmocka_unit_test(a_scene_that_flew_apart_before_step_0_is_unhealthy),
         cmocka_unit_test(damaged_commands_are_reported),
     };

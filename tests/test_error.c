@@ -11,6 +11,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -125,6 +126,93 @@ static void plots_do_not_depend_on_points_without_cost(void **state)
     assert_string_equal(plot[0], plot[1]);
     free(plot[0]);
     free(plot[1]);
+}
+
+/* Three points of two groups, all of whose numbers are known. */
+static cli_error_points known_points(void)
+{
+    cli_error_points p = {0};
+    for (int i = 0; i < 3; i++) {
+        cli_error_point point = cli_error_no_point();
+        snprintf(point.scene, sizeof point.scene, "a/b:c@d[e`f{gZz09.");
+        snprintf(point.setting, sizeof point.setting, i ? "long, with a comma" : "x");
+        snprintf(point.series, sizeof point.series, "s");
+        snprintf(point.quantity, sizeof point.quantity, i < 2 ? "h_9 (x)" : "other");
+        point.refinement = i == 0 ? .25 : .5;
+        point.value = i < 2 ? 1.25 : NAN;
+        point.reference = i < 2 ? 1 : NAN;
+        point.error = i == 0 ? .125 : i == 1 ? -.25 : NAN;
+        point.ns_step = 10 + i;
+        point.us_time = i < 2 ? 100.125 * (2 - i) : NAN;
+        point.bytes = i == 0 ? 48 : NAN;
+        point.substeps = 4 * i;
+        point.iterations = i == 1 ? 2.5 : NAN;
+        point.particles = i < 2 ? 700 : 0;
+        point.steps = 8;
+        point.hash = i == 2 ? 0 : 0xabc;
+        assert_non_null(cli_error_add(&p, &point));
+    }
+    cli_error_judge(&p);
+    return p;
+}
+
+/* The text behind two lines about study and machine. */
+static void tables_have_a_column_for_each_known_number(void **state)
+{
+    (void)state;
+    static const cli_error_study study = {"names", "melting", "all characters", NULL};
+    cli_error_points p = known_points();
+    fflush(stdout);
+    const int kept = dup(STDOUT_FILENO);
+    assert_true(kept >= 0);
+    FILE *file = freopen("error-table.txt", "w", stdout);
+    if (file)
+        cli_error_print(&study, &p);
+    fflush(stdout);
+    const bool back = dup2(kept, STDOUT_FILENO) >= 0;
+    close(kept);
+    assert_true(file && back);
+    char *text = read_all("error-table.txt");
+    assert_int_equal(strncmp(text, "names (melting): all characters\n", 32), 0);
+    assert_string_equal(
+        strchr(strchr(text, '\n') + 1, '\n') + 1,
+        "\n"
+        "a/b:c@d[e`f{gZz09., h_9 (x); 700 particles; reference 1\n"
+        "  setting                  value       error       order     ns/step     us/time       bytes    substeps  iterations\n"
+        "* x                         1.25   +1.25e-01        1.00        10.0      200.25          48           0           -\n"
+        "* long, with a comma        1.25   -2.50e-01           -        11.0      100.12           -           4        2.50\n"
+        "\n"
+        "a/b:c@d[e`f{gZz09., other\n"
+        "  setting                ns/step    substeps\n"
+        "  long, with a comma        12.0           8\n");
+    free(text);
+    free(p.item);
+}
+
+/* Names of files keep letters, digits and dots. The plot has a group with errors; the CSV file has all points. */
+static void files_are_named_after_scene_and_quantity(void **state)
+{
+    (void)state;
+    static const cli_error_study study = {"names", NULL, "all characters", NULL};
+    cli_error_points p = known_points();
+    assert_int_equal(cli_error_write(&study, &p, "."), CLI_DONE);
+    char *plot = read_all("./error-names-a-b-c-d-e-f-gZz09.-h-9-x-.svg");
+    assert_non_null(strstr(plot, ">names: a/b:c@d[e`f{gZz09., h_9 (x)<"));
+    free(plot);
+    assert_null(fopen("./error-names-a-b-c-d-e-f-gZz09.-other.svg", "r"));
+    char *csv = read_all("./error-names.csv"), *line = strchr(csv, '\n') + 1;
+    static const char *const rows[3] = {
+        "names,both,a/b:c@d[e`f{gZz09.,x,s,2.50000e-01,h_9 (x),1.25000e+00,1.00000e+00,1.25000e-01,10.000,200.2500,48.0,0,,700,8,"
+        "0000000000000abc,1.00,1,",
+        "names,both,a/b:c@d[e`f{gZz09.,\"long, with a comma\",s,5.00000e-01,h_9 (x),1.25000e+00,1.00000e+00,-2.50000e-01,11.000,"
+        "100.1250,,4,2.50,700,8,0000000000000abc,,1,",
+        "names,both,a/b:c@d[e`f{gZz09.,\"long, with a comma\",s,5.00000e-01,other,,,,12.000,,,8,,0,8,,,0,"};
+    for (int i = 0; i < 3; i++, line = strchr(line, '\n') + 1)
+        if (strncmp(line, rows[i], strlen(rows[i])) != 0)
+            fail_msg("%.300s", line);
+    assert_true(!*line);
+    free(csv);
+    free(p.item);
 }
 
 static bool goes_bad_beside(cli_trial *t, rheo_world *world)
@@ -363,6 +451,8 @@ int main(void)
         cmocka_unit_test(orders_are_those_of_neighbours_in_a_series),
         cmocka_unit_test(fronts_hold_what_nothing_beats),
         cmocka_unit_test(plots_do_not_depend_on_points_without_cost),
+        cmocka_unit_test(tables_have_a_column_for_each_known_number),
+        cmocka_unit_test(files_are_named_after_scene_and_quantity),
         cmocka_unit_test(a_world_that_goes_bad_beside_a_trial_is_no_error),
         cmocka_unit_test(derivatives_of_signals_are_known),
         cmocka_unit_test(signals_are_those_of_the_paper),

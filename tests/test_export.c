@@ -3,6 +3,7 @@
 #include "view_support.h"
 
 #include <locale.h>
+#include <math.h>
 
 #include "world/world.h"
 
@@ -218,6 +219,153 @@ static void solids_are_ball_walls_and_vibrators(void **unused)
     rheo_world_destroy(world);
 }
 
+static uint64_t attribute(const char *at, const char *name)
+{
+    char head[40];
+    snprintf(head, sizeof head, "%s=\"", name);
+    at = strstr(at, head);
+    assert_non_null(at);
+    return strtoull(at + strlen(head), NULL, 10);
+}
+
+/* The cells of an element: each ends later than the one before it, by `least` to `most` points, and has points of the file. */
+static void check_cells(const char *text, const char *element, uint64_t cells, uint64_t points, size_t least,
+                        size_t most)
+{
+    uint64_t bytes, ends_bytes, from = 0;
+    const char *at = strstr(text, element);
+    assert_non_null(at);
+    const char *corners = array_of(at, "connectivity", &bytes), *ends = array_of(at, "offsets", &ends_bytes);
+    assert_int_equal(ends_bytes, 8 * cells);
+    for (uint64_t i = 0; i < cells; i++) {
+        const uint64_t end = little(ends + 8 * i, 8);
+        assert_true(end >= from + least && end <= from + most);
+        for (uint64_t k = from; k < end; k++) {
+            const uint64_t corner = little(corners + 8 * k, 8);
+            assert_true(corner < points);
+            for (uint64_t other = from; other < k; other++)
+                assert_true(little(corners + 8 * other, 8) != corner);
+        }
+        from = end;
+    }
+    assert_int_equal(bytes, 8 * from);
+}
+
+/*
+ * As a reader of VTP sees a file: each array begins where the one before it ends, and has as many bytes as its type, its
+ * components and the points or cells say; cells name points of the file; nothing follows the last array.
+ */
+static void vtp_files_are_whole(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    static const struct {
+        rheo_export_format format;
+        size_t arrays;
+    } FILES[] = {{RHEO_EXPORT_VTP, 6}, {RHEO_EXPORT_SPRINGS, 5}, {RHEO_EXPORT_SOLIDS, 6}};
+    step(world, 3);
+    for (size_t f = 0; f < 3; f++) {
+        size_t size, arrays = 0;
+        export_to(world, FILES[f].format, "whole.vtp");
+        char *text = (char *)read_file("whole.vtp", &size);
+        const uint64_t points = attribute(text, "NumberOfPoints"), verts = attribute(text, "NumberOfVerts"),
+                       lines = attribute(text, "NumberOfLines"), polys = attribute(text, "NumberOfPolys");
+        const char *data = strstr(text, "encoding=\"raw\">\n_"), *section = "";
+        assert_non_null(data);
+        const size_t begin = (size_t)(data - text) + strlen("encoding=\"raw\">\n_");
+        uint64_t offset = 0;
+        const char *line = text;
+        for (; line < data; line = strchr(line, '\n') + 1) {
+            static const char *const SECTIONS[] = {"<PointData", "<CellData", "<Points>",
+                                                   "<Verts>",    "<Lines>",   "<Polys>"};
+            for (size_t s = 0; s < 6; s++)
+                section = strncmp(line, SECTIONS[s], strlen(SECTIONS[s])) == 0 ? SECTIONS[s] : section;
+            if (strncmp(line, "<DataArray", 10) != 0 || !strstr(line, "offset") ||
+                strstr(line, "offset") > strchr(line, '\n'))
+                continue;
+            const uint64_t bytes = little(text + begin + offset, 8);
+            const size_t width = strncmp(strstr(line, "type=\"") + 6, "Float64", 7) == 0 ||
+                                         strncmp(strstr(line, "type=\"") + 6, "UInt64", 6) == 0 ||
+                                         strncmp(strstr(line, "type=\"") + 6, "Int64", 5) == 0
+                                     ? 8
+                                     : 4;
+            assert_int_equal(attribute(line, "offset"), offset);
+            if (strncmp(section, "<Point", 6) == 0)
+                assert_int_equal(bytes, points * attribute(line, "NumberOfComponents") * width);
+            if (strcmp(section, "<CellData") == 0)
+                assert_int_equal(bytes, (verts + lines + polys) * attribute(line, "NumberOfComponents") * width);
+            offset += 8 + bytes;
+            arrays++;
+        }
+        if (arrays < FILES[f].arrays)
+            fail_msg("file %zu has only %zu arrays", f, arrays);
+        static const char end[] = "\n</AppendedData>\n</VTKFile>\n";
+        assert_int_equal(begin + offset + strlen(end), size);
+        assert_string_equal(text + begin + offset, end);
+        if (verts)
+            check_cells(text, "<Verts>", verts, points, 1, 1);
+        if (lines)
+            check_cells(text, "<Lines>", lines, points, 2, 2);
+        if (polys)
+            check_cells(text, "<Polys>", polys, points, 3, 4);
+        assert_true(verts + lines + polys > 2);
+        if (f == 0) { /* particles are numbered from 0 */
+            uint64_t bytes;
+            const char *id = array_of(text, "id", &bytes);
+            for (uint64_t i = 0; i < points; i++)
+                assert_int_equal(little(id + 4 * i, 4), i);
+        }
+        free(text);
+    }
+    rheo_world_destroy(world);
+}
+
+/* The square of a wall that is normal to an axis has its edges along the other two, and its middle nearest to the centre. */
+static void squares_of_walls_are_parallel_to_the_axes(void **unused)
+{
+    (void)unused;
+    for (int axis = 0; axis < 3; axis++) {
+        rheo_world_def def = inert_def();
+        const rheo_real position[6] = {1, 2, 3, 5, 8, 4}; /* the centre is (3, 5, 3.5) */
+        def.walls.plane = some_walls();
+        def.walls.count = 1;
+        walls_of(&def)[0] = (rheo_wall){{-7, -7, -7}, {0, 0, 0}};
+        walls_of(&def)[0].normal[axis] = 2;
+        rheo_world *world = world_of(def, 2, position, NULL);
+        export_to(world, RHEO_EXPORT_SOLIDS, "wall.vtp");
+        size_t size;
+        uint64_t bytes;
+        char *text = (char *)read_file("wall.vtp", &size);
+        const char *points = array_of(text, "position", &bytes);
+        const rheo_extent extent = rheo_world_extent(world);
+        assert_int_equal(bytes, 4 * 3 * sizeof(float));
+        double side = 0;
+        for (size_t k = 0; k < 3; k++) {
+            double sum = 0;
+            for (size_t corner = 0; corner < 4; corner++) {
+                const double at = (double)float_at(points, 3 * corner + k),
+                             to = (double)float_at(points, 3 * ((corner + 1) % 4) + k);
+                sum += at;
+                side = fmax(side, fabs(to - at));
+            }
+            NEAR(sum / 4, k == (size_t)axis ? -7 : (extent.min[k] + extent.max[k]) / 2, 1e-5);
+        }
+        assert_true(side > 5);
+        for (size_t corner = 0; corner < 4; corner++) {
+            int along = 0;
+            for (size_t k = 0; k < 3; k++) {
+                const double way = fabs((double)float_at(points, 3 * corner + k) -
+                                        (double)float_at(points, 3 * ((corner + 1) % 4) + k));
+                along += way > .5 * side;
+                assert_true(way < 1e-5 * side || way > (1 - 1e-5) * side);
+            }
+            assert_int_equal(along, 1);
+        }
+        free(text);
+        rheo_world_destroy(world);
+    }
+}
+
 static void meshes_are_the_surface(void **unused)
 {
     (void)unused;
@@ -415,6 +563,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(csv_reads_back_to_the_same_bits),
         cmocka_unit_test(vtp_has_its_arrays),
+        cmocka_unit_test(vtp_files_are_whole),
+        cmocka_unit_test(squares_of_walls_are_parallel_to_the_axes),
         cmocka_unit_test(meshes_are_the_surface),
         cmocka_unit_test(numbers_are_the_same_in_every_locale),
         cmocka_unit_test(files_are_kept_without_force),

@@ -49,6 +49,25 @@ static rheo_scene scene_of(rheo_fill fill)
     return scene;
 }
 
+/* A block has a particle more along an axis from half a spacing on. */
+static void half_a_spacing_is_rounded_up(void **unused)
+{
+    (void)unused;
+    static const double SIZE[][3] = {{2, 3, 4}, {2.5, 3.5, 4.5}, {2.4375, 1.5625, 3}, {.5, .5, .5}};
+    static const uint64_t COUNT[][3] = {{2, 3, 4}, {3, 4, 5}, {2, 2, 3}, {1, 1, 1}};
+    for (size_t i = 0; i < sizeof SIZE / sizeof *SIZE; i++) {
+        rheo_scene scene = scene_of((rheo_fill){.kind = RHEO_FILL_BLOCK, .min = {-1, 0, 2}});
+        for (int a = 0; a < 3; a++)
+            fills_of(&scene)[0].max[a] = fills_of(&scene)[0].min[a] + SIZE[i][a];
+        filled f = fill_scene(&scene);
+        assert_int_equal(f.count, COUNT[i][0] * COUNT[i][1] * COUNT[i][2]);
+        for (size_t a = 0; a < 3; a++)
+            NEAR((double)f.position[3 * (f.count - 1) + a], fills_of(&scene)[0].min[a] + (double)COUNT[i][a] - .5,
+                 1e-6);
+        release(&f);
+    }
+}
+
 static void letters_have_a_particle_per_dot(void **unused)
 {
     (void)unused;
@@ -116,6 +135,40 @@ static void letters_have_a_particle_per_dot(void **unused)
     OK(rheo_scene_check(&scene, &error));
     memset(fills_of(&scene)[0].name, 'W', sizeof fills_of(&scene)[0].name);
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 0", rheo_scene_check(&scene, &error));
+}
+
+/* Each missing letter is listed once, and none by halves: a letter of several bytes was repeated, and cut. */
+static void missing_letters_are_listed_once_and_whole(void **unused)
+{
+    (void)unused;
+#define TEN(text) text text text text text text text text text text
+    static const char *const LISTED[][2] = {
+        {"ab#ba#b#", "ab#"},
+        {"\xe2\x82\xac"
+         "A"
+         "\xe2\x82\xac",
+         "\xe2\x82\xac"},
+        {"\xc3\xa9\xc3\xa8\xc3\xa9", "\xc3\xa9\xc3\xa8"},
+        {"\1\1\2\x7f", "???"},
+        {"abcdefghijklmnopqrstuvwxyz", "abcdefghijklmnopqrstuvw"}, /* room for 23 */
+        {"abcdefghijklmnopqrst\xe2\x82\xac", "abcdefghijklmnopqrst\xe2\x82\xac"},
+        {"abcdefghijklmnopqrstu\xe2\x82\xac"
+         "z",
+         "abcdefghijklmnopqrstuz"}, /* no half of a letter */
+        {"\xe2" TEN("\x82") TEN("\x82") TEN("\x82"), ""}};
+#undef TEN
+    for (size_t i = 0; i < sizeof LISTED / sizeof *LISTED; i++) {
+        rheo_error why;
+        char expected[128];
+        assert_int_equal(rheo__letters_check(LISTED[i][0], &why), RHEO_ERROR_ARGUMENT);
+        snprintf(expected, sizeof expected, "there is no letter for: %s; there are (with a blank):", LISTED[i][1]);
+        if (strncmp(why.message, expected, strlen(expected)) != 0)
+            fail_msg("\"%s\" does not begin with \"%s\"", why.message, expected);
+        for (const char *c = strchr(why.message, ':') + 1; *c; c++)
+            if (*c >= 'A' && *c <= 'Z')
+                assert_true(c[1] == *c + 1 || *c == 'Z');
+    }
+    OK(rheo__letters_check("THE 0123456789", &error));
 }
 
 /* A box from a file has the same particles as a block of its size. */
@@ -418,6 +471,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(letters_have_a_particle_per_dot),
+        cmocka_unit_test(half_a_spacing_is_rounded_up),
+        cmocka_unit_test(missing_letters_are_listed_once_and_whole),
         cmocka_unit_test(a_mesh_from_a_file_is_placed_and_scaled),
         cmocka_unit_test(the_bunny_is_placed_at_its_position),
         cmocka_unit_test(shapes_have_temperatures_and_densities),

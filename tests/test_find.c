@@ -457,6 +457,47 @@ static bool stop_at_10(const char *task, uint64_t done, uint64_t total, void *us
     return strcmp(task, "searching") != 0 || done < 10;
 }
 
+static struct {
+    uint64_t calls, done, total;
+} searched;
+
+static bool count_searched(const char *task, uint64_t done, uint64_t total, void *user)
+{
+    (void)user;
+    if (strcmp(task, "searching") != 0)
+        return true;
+    searched.calls++;
+    assert_true(done >= searched.done && done <= total);
+    searched.done = done;
+    searched.total = total;
+    return true;
+}
+
+/* Progress counts the places that were looked at, of those between the first and the last one that may be. */
+static void progress_of_a_search_counts_its_steps(void **state)
+{
+    (void)state;
+    static const uint64_t RANGE[][2] = {{0, STEPS}, {7, 50}, {20, 20}, {13, 14}};
+    record(false);
+    rheo_use_progress((rheo_progress){count_searched, NULL});
+    for (size_t i = 0; i < sizeof RANGE / sizeof *RANGE; i++)
+        for (int last = 0; last < 2; last++) {
+            const rheo_find_options options = {.which = last ? RHEO_FIND_LAST : RHEO_FIND_FIRST,
+                                               .has_after = RANGE[i][0] > 0,
+                                               .has_before = RANGE[i][1] < STEPS,
+                                               .after = RANGE[i][0] - 1,
+                                               .before = RANGE[i][1] + 1};
+            rheo_search s;
+            memset(&searched, 0, sizeof searched);
+            OK(rheo_player_find(player, "ball: y < -1000", &options, &s, &error));
+            const uint64_t steps = RANGE[i][1] - RANGE[i][0] + 1;
+            assert_true(searched.calls > 0 && searched.done == steps && searched.total == steps);
+            assert_true(s.first == RANGE[i][0] && s.last == RANGE[i][1]);
+        }
+    rheo_use_progress((rheo_progress){0});
+    forget();
+}
+
 /* A search can be ended from both sides, and says how far it has looked. */
 static void searches_can_be_ended(void **state)
 {
@@ -486,6 +527,7 @@ int main(void)
         cmocka_unit_test(things_exist_for_a_time),
         cmocka_unit_test(what_is_not_understood_is_refused),
         cmocka_unit_test(searches_can_be_ended),
+        cmocka_unit_test(progress_of_a_search_counts_its_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -130,7 +130,8 @@ static void a_jump_of_the_energy_is_relative_to_motion_and_a_fall(void **state)
 {
     (void)state;
     rheo_world_def def = inert_def();
-    memcpy(def.gravity, (const double[3]){3, -4, 0}, sizeof def.gravity);
+    memcpy(def.gravity, (const double[3]){2, -3, 6}, sizeof def.gravity); /* of length 7 */
+    def.fluid.spacing = 0.5;
     const rheo_real position[6] = {0, 0, 0, 50, 0, 0}, velocity[6] = {1, 2, 0, 0, 0, -3};
     rheo_world *world = world_of(def, 2, position, velocity);
     const double mass = metric(world, "kinetic_energy") / (0.5 * (1 + 4 + 9)); /* of a particle */
@@ -138,7 +139,7 @@ static void a_jump_of_the_energy_is_relative_to_motion_and_a_fall(void **state)
     for (int n = 0; n < 3; n++) {
         const double before = metric(world, "energy"), motion = metric(world, "kinetic_energy");
         step(world, 1);
-        const double fall = 2 * mass * 5 * rheo_world_definition(world)->fluid.spacing;
+        const double fall = 2 * mass * 7 * 0.5;
         const double jump = (metric(world, "energy") - before) / (motion + fall);
         assert_true(jump != 0);
         NEAR(metric(world, "energy_jump"), jump, 1e-9 * fabs(jump));

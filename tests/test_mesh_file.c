@@ -147,6 +147,14 @@ static void ply_is_read_in_all_its_forms(void **unused)
     rheo__mesh other = read_good(text, "b.ply");
     assert_same_mesh(&other, &pyramid);
     rheo__mesh_release(&other);
+    /* An element may have no items. */
+    char empty[1024];
+    const char *rest = strstr(text, "element face");
+    assert_non_null(rest);
+    snprintf(empty, sizeof empty, "ply\nformat ascii 1.0\nelement edge 0\nproperty int vertex1\n%s", rest);
+    other = read_good(empty, "e.ply");
+    assert_same_mesh(&other, &pyramid);
+    rheo__mesh_release(&other);
     rheo__mesh_release(&pyramid);
     rheo__mesh_release(&cube);
 }

@@ -675,6 +675,39 @@ static void the_stiffness_of_a_spring_follows_from_its_rate(void **unused)
     }
 }
 
+/* Two particles in one place part along the direction that belongs to their numbers, wherever they are, in every scheme. */
+static void coinciding_particles_part_in_their_direction(void **unused)
+{
+    (void)unused;
+    static const rheo_scheme scheme[] = {RHEO_SCHEME_SUMMED, RHEO_SCHEME_SEQUENTIAL, RHEO_SCHEME_POSITIONS};
+    for (size_t s = 0; s < 3; s++)
+        for (uint32_t ahead = 0; ahead < 3; ahead++) { /* particles of lower numbers, far away */
+            rheo_real x[15], direction[3];
+            for (uint32_t i = 0; i < 5; i++)
+                for (uint32_t a = 0; a < 3; a++)
+                    x[3 * i + a] = (rheo_real)(i < ahead ? 100 * (i + 1) : 1.5 + a);
+            rheo_world_def def = rheo_default_world_def();
+            memset(def.gravity, 0, sizeof def.gravity);
+            def.scheme = scheme[s];
+            rheo_world *world = world_of(def, ahead + 2, x, NULL);
+            step(world, 1);
+            rheo__part_direction(ahead, ahead + 1, direction);
+            const rheo_real *now = rheo_world_positions(world) + 3 * (size_t)ahead;
+            double apart[3], along = 0, square = 0, norm = 0;
+            for (int a = 0; a < 3; a++) {
+                apart[a] = (double)now[3 + a] - (double)now[a];
+                along += apart[a] * (double)direction[a];
+                square += apart[a] * apart[a];
+                norm += (double)direction[a] * (double)direction[a];
+                NEAR(((double)now[3 + a] + (double)now[a]) / 2, 1.5 + a, 1e-5);
+            }
+            assert_true(square > 1e-8);
+            for (int a = 0; a < 3; a++)
+                NEAR(apart[a] / sqrt(square), (along > 0 ? 1 : -1) * (double)direction[a] / sqrt(norm), 1e-3);
+            rheo_world_destroy(world);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -699,6 +732,7 @@ int main(void)
         cmocka_unit_test(history_ignores_common_motion),
         cmocka_unit_test(bare_worlds_derive_only_the_substep),
         cmocka_unit_test(the_stiffness_of_a_spring_follows_from_its_rate),
+        cmocka_unit_test(coinciding_particles_part_in_their_direction),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);
 }

@@ -1,6 +1,8 @@
 /* Scenes for POV-Ray, rendered if povray is installed. */
 #define _XOPEN_SOURCE 700 /* mkdtemp() */
 #include "view_support.h"
+#include "view/camera.h"
+#include "view/vectors.h"
 
 #include <sys/wait.h>
 
@@ -434,6 +436,79 @@ static void shades_are_colours_at_equal_distances(void **unused)
     rheo_world_destroy(world);
 }
 
+enum { WIDTH = 160, HEIGHT = 90 };
+
+/* Whether a pixel shows the dark panels, which are blue, of a ball; -1: it does not show the inside of a panel. */
+static int is_dark_at(const rheo_body *ball, const rheo__camera *camera, int column, int row)
+{
+    const double across = (2 * (column + .5) - WIDTH) * .23 / HEIGHT, up = (HEIGHT - 2 * (row + .5)) * .23 / HEIGHT;
+    double ray[3], from[3], v[3], inner[3], outer[3];
+    for (int a = 0; a < 3; a++) {
+        ray[a] = camera->forward[a] + across * camera->aside[a] + up * camera->up[a];
+        from[a] = camera->eye[a] - ball->position[a];
+    }
+    const double square = rheo__view_dot(ray, ray), middle = rheo__view_dot(ray, from) / square,
+                 left = middle * middle - (rheo__view_dot(from, from) - ball->radius * ball->radius) / square;
+    if (!(left > .1 * ball->radius * ball->radius / square)) /* near the edge or beside the ball */
+        return -1;
+    for (int a = 0; a < 3; a++)
+        v[a] = (from[a] - (middle + sqrt(left)) * ray[a]) / ball->radius;
+    /* v + 2 u x (u x v - w v) turns v back. */
+    const double w = ball->orientation[0], *u = ball->orientation + 1;
+    rheo__view_cross(u, v, inner);
+    for (int a = 0; a < 3; a++)
+        inner[a] -= w * v[a];
+    rheo__view_cross(u, inner, outer);
+    int negative = 0;
+    for (int a = 0; a < 3; a++) {
+        const double own = v[a] + 2 * outer[a];
+        if (fabs(own) < .1)
+            return -1;
+        negative += own < 0;
+    }
+    return negative % 2;
+}
+
+/* Each pixel of a ball in the air shows the panel that its orientation turns there. */
+static void the_ball_of_a_world_shows_its_orientation(void **unused)
+{
+    (void)unused;
+    static const char *const spins[] = {"[0, 0, 0]", "[0, 25, 0]", "[0, 0, 25]", "[30, 10, 5]", "[25, -50, 40]"};
+    for (size_t i = 0; i < sizeof spins / sizeof *spins; i++) {
+        rheo_world *world = lively_world();
+        OK(rheo_world_set(world, "ball.position", "[8, 60, 8]", &error));
+        OK(rheo_world_set(world, "ball.spin", spins[i], &error));
+        step(world, 1);
+        rheo_body b;
+        OK(rheo_world_body(world, 0, &b));
+        const rheo_extent extent = {{b.position[0] - 4, b.position[1] - 4, b.position[2] - 4},
+                                    {b.position[0] + 4, b.position[1] + 4, b.position[2] + 4},
+                                    0,
+                                    1};
+        rheo_picture_options options = rheo_default_picture_options();
+        options.width = WIDTH;
+        options.height = HEIGHT;
+        options.colour = "none";
+        options.extent = &extent;
+        options.without_captions = true;
+        static unsigned char rgb[3 * WIDTH * HEIGHT];
+        OK(rheo_world_render(world, &options, rgb, &error));
+        const rheo__camera camera = rheo__camera_for(&extent, .23 * WIDTH / HEIGHT, .23);
+        int seen[2] = {0, 0};
+        for (int row = 0; row < HEIGHT; row++)
+            for (int column = 0; column < WIDTH; column++) {
+                const unsigned char *pixel = rgb + 3 * (WIDTH * row + column);
+                const int dark = is_dark_at(&b, &camera, column, row);
+                if (dark >= 0 && dark != (pixel[2] > pixel[0]))
+                    fail_msg("spin %zu: pixel %d, %d of the ball shows another panel", i, column, row);
+                if (dark >= 0)
+                    seen[dark]++;
+            }
+        assert_true(seen[0] > 100 && seen[1] > 100);
+        rheo_world_destroy(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -445,6 +520,7 @@ int main(void)
         cmocka_unit_test(the_camera_sees_the_whole_extent),
         cmocka_unit_test(lights_move_with_the_extent),
         cmocka_unit_test(a_ball_is_drawn_as_it_lies),
+        cmocka_unit_test(the_ball_of_a_world_shows_its_orientation),
         cmocka_unit_test(shades_span_the_range_of_temperatures),
         cmocka_unit_test(shades_are_colours_at_equal_distances),
     };

@@ -378,6 +378,29 @@ static void bad_plates_are_refused(void **unused)
     rheo_world_destroy(world);
 }
 
+/* A particle at the height of a plate is none of its own. */
+static void a_plate_begins_beyond_its_height(void **unused)
+{
+    (void)unused;
+    for (int lower = 0; lower < 2; lower++) {
+        rheo_scene scene;
+        rheo_warning found[2];
+        size_t count;
+        OK(rheo_scene_builtin("plates", &scene, &error));
+        double *height = lower ? &scene.world.plates.lower : &scene.world.plates.upper;
+        *height = lower ? -1000 : 1000;
+        OK(rheo_scene_warnings(&scene, found, 2, &count, &error));
+        assert_true(count == 1 && found[0].value == *height);
+        *height = found[0].limit; /* that of the last particle */
+        OK(rheo_scene_warnings(&scene, found, 2, &count, &error));
+        assert_true(count == 1 && found[0].value == *height && found[0].limit == *height);
+        *height += lower ? 1e-3 : -1e-3;
+        OK(rheo_scene_warnings(&scene, found, 2, &count, &error));
+        assert_int_equal(count, 0);
+        rheo_scene_release(&scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -391,6 +414,7 @@ int main(void)
         cmocka_unit_test(a_stress_accelerates_the_mass_of_the_plate),
         cmocka_unit_test(plates_can_be_loaded_at_every_step),
         cmocka_unit_test(bad_plates_are_refused),
+        cmocka_unit_test(a_plate_begins_beyond_its_height),
     };
     return cmocka_run_group_tests_name("plates", tests, NULL, NULL);
 }

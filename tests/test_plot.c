@@ -306,6 +306,33 @@ static void lines_may_go_back(void **unused)
                     .4985);
 }
 
+/* Of the points in a column, the first, the highest, the lowest and the last stay, in the order of the curve. */
+static void a_column_keeps_four_points_in_their_order(void **unused)
+{
+    (void)unused;
+    static const int TURN[][4] = {/* places of the first, the least, the greatest and the last of ten points */
+                                  {0, 3, 6, 9}, {0, 6, 3, 9}, {0, 0, 6, 9}, {0, 6, 0, 9},
+                                  {0, 3, 9, 9}, {0, 9, 3, 9}, {0, 0, 9, 9}, {0, 9, 0, 9}};
+    for (size_t t = 0; t < sizeof TURN / sizeof *TURN; t++) {
+        double x[12], y[12], expected[12];
+        size_t count = 1;
+        x[0] = expected[0] = y[0] = 0;
+        x[11] = y[11] = 1;
+        for (int i = 0; i < 10; i++) {
+            x[i + 1] = (100.1 + .01 * i) / (4. * WIDE); /* all in the column 100 of quarters of a pixel */
+            y[i + 1] = i == TURN[t][1] ? .1 : i == TURN[t][2] ? .9 : i == 0 ? .3 : i == 9 ? .7 : .5;
+            if (i == TURN[t][0] || i == TURN[t][1] || i == TURN[t][2] || i == TURN[t][3])
+                expected[count++] = y[i + 1];
+        }
+        expected[count++] = 1;
+        write_line(x, y, 12);
+        read_path();
+        assert_int_equal(path.count, count);
+        for (size_t i = 0; i < count; i++)
+            NEAR(path.y[i], HIGH * (1 - expected[i]), .011);
+    }
+}
+
 static void gaps_stay_open(void **unused)
 {
     (void)unused;
@@ -528,6 +555,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_thinned_line_cannot_be_told_from_the_whole),
         cmocka_unit_test(noise_keeps_its_extremes_and_little_else),
         cmocka_unit_test(lines_may_go_back),
+        cmocka_unit_test(a_column_keeps_four_points_in_their_order),
         cmocka_unit_test(gaps_stay_open),
         cmocka_unit_test(a_given_range_cuts_off),
         cmocka_unit_test(points_outside_are_left_out),

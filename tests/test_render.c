@@ -650,48 +650,6 @@ static void panels_turn_with_the_ball(void **unused)
     rheo__canvas_release(&c[1]);
 }
 
-/* In the middle of the ball one sees the panel around -forward, turned back by the orientation. */
-static void the_ball_of_a_world_shows_its_orientation(void **unused)
-{
-    (void)unused;
-    static const char *const spins[] = {"[0, 0, 0]", "[0, 25, 0]", "[0, 0, 25]", "[30, 10, 5]", "[0, -50, 10]"};
-    bool seen[2] = {false, false};
-    for (size_t i = 0; i < sizeof spins / sizeof *spins; i++) {
-        rheo_world *world = lively_world();
-        OK(rheo_world_set(world, "ball.spin", spins[i], &error));
-        step(world, 1);
-        rheo_body body;
-        OK(rheo_world_body(world, 0, &body));
-        const rheo_extent extent = {{body.position[0] - 4, body.position[1] - 4, body.position[2] - 4},
-                                    {body.position[0] + 4, body.position[1] + 4, body.position[2] + 4},
-                                    0,
-                                    1};
-        rheo_picture_options options = small_picture();
-        options.colour = "none";
-        options.extent = &extent;
-        unsigned char *rgb = picture_of(world, options);
-        const rheo__camera camera = rheo__camera_for(&extent, .23 * WIDTH / HEIGHT, .23);
-        /* v + 2 u x (u x v - w v) turns v back. */
-        const double w = body.orientation[0], *u = body.orientation + 1;
-        double v[3], inner[3], outer[3];
-        int negative = 0;
-        for (int a = 0; a < 3; a++)
-            v[a] = -camera.forward[a];
-        rheo__view_cross(u, v, inner);
-        for (int a = 0; a < 3; a++)
-            inner[a] -= w * v[a];
-        rheo__view_cross(u, inner, outer);
-        for (int a = 0; a < 3; a++)
-            negative += v[a] + 2 * outer[a] < 0;
-        const double light = light_at(rgb, WIDTH / 2, HEIGHT / 2);
-        assert_true(negative % 2 ? light < .2 : light > .4);
-        seen[negative % 2] = true;
-        free(rgb);
-        rheo_world_destroy(world);
-    }
-    assert_true(seen[0] && seen[1]);
-}
-
 /* ---- Captions ---- */
 
 enum { SHEET = 64 };
@@ -787,7 +745,6 @@ int main(void)
         cmocka_unit_test(the_colour_bar_has_the_colours_of_the_scale),
         cmocka_unit_test(things_cast_shadows),
         cmocka_unit_test(panels_turn_with_the_ball),
-        cmocka_unit_test(the_ball_of_a_world_shows_its_orientation),
         cmocka_unit_test(all_letters_differ),
         cmocka_unit_test(options_out_of_range_are_refused),
     };

@@ -264,6 +264,18 @@ static void a_file_of_zeros_is_not_replaced(void **unused)
     write_file(PATH, zeros, 0); /* nothing is lost with an empty one */
     OK(rheo_world_save(world, "", PATH, true, &error));
     remove(PATH);
+    /* The first bytes of a recording, with zeros behind them, are a recording. */
+    uint8_t begun[SIZE] = {0};
+    file whole = {NULL, 0};
+    OK(rheo_world_save(world, "", PATH, true, &error));
+    whole = bytes_of(PATH);
+    for (size_t count = 1; count <= 8; count++) {
+        memcpy(begun, whole.bytes, count);
+        write_file(PATH, begun, SIZE);
+        OK(rheo_world_save(world, "", PATH, true, &error));
+    }
+    free(whole.bytes);
+    remove(PATH);
     rheo_world_destroy(world);
 }
 

@@ -2,18 +2,28 @@
 #include <locale.h>
 #include <math.h>
 
-#include "core/text.h"
-#include "support.h"
+#define STORED "scene_warnings.txt"
+#include "stored.h"
 
 enum { ROOM = 32 };
-
 static rheo_warning found[ROOM];
 static size_t found_count;
+
+/* All warnings of this program, with four digits of their numbers, are those of scene_warnings.txt. */
+static void keep(const rheo_warning *w)
+{
+    char value[32], limit[32];
+    stored_keep("%s%s, %llu, shapes %d %d, wall %d, %s of %s: %s\n", rheo_warning_name(w->kind),
+                w->refused ? " refused" : "", (unsigned long long)w->count, w->shape, w->other_shape, w->wall,
+                rheo__text_brief(w->value, 4, true, value), rheo__text_brief(w->limit, 4, true, limit), w->text);
+}
 
 static void examine(const rheo_scene *scene)
 {
     OK(rheo_scene_warnings(scene, found, ROOM, &found_count, &error));
     assert_true(found_count <= ROOM);
+    for (size_t i = 0; i < found_count; i++)
+        keep(&found[i]);
 }
 
 /* The only warning of a scene. */
@@ -456,9 +466,8 @@ static void plates_without_particles_and_fast_ones_are_told(void **state)
     scene.world.plates.upper = 1000;
     const rheo_warning *w = only(&scene, RHEO_WARNING_EMPTY);
     assert_says(w, "the upper plate has no particles");
-    assert_says(w, "plates.upper=1000: they start from y = 0.8466 to 28.76");
     scene.world.plates.lower = 999; /* all of the fluid is the lower plate */
-    assert_says(only(&scene, RHEO_WARNING_EMPTY), "the upper plate has no particles");
+    only(&scene, RHEO_WARNING_EMPTY);
     scene.world.plates.upper = upper;
     scene.world.plates.lower = -1000;
     assert_says(only(&scene, RHEO_WARNING_EMPTY), "the lower plate has no particles");
@@ -480,9 +489,7 @@ static void plates_without_particles_and_fast_ones_are_told(void **state)
     scene.world.plates.control = RHEO_PLATES_STRESS;
     scene.world.plates.amplitude = scene.world.plates.frequency = 0;
     scene.world.plates.velocity[0] = 9 * one;
-    w = only(&scene, RHEO_WARNING_PARAMETER); /* it is not too fast, because it does nothing */
-    assert_says(w, "plates.velocity is [");
-    assert_says(w, ", 0, 0], without effect: plates.control is stress");
+    only(&scene, RHEO_WARNING_PARAMETER); /* it is not too fast, because it does nothing */
     rheo_scene_release(&scene);
 }
 
@@ -712,8 +719,7 @@ static void settling_that_blew_up_is_told(void **state)
     assert_int_equal(warnings_told, 2); /* of the parameter, and of what came of it */
     const char *text = strstr(told, "warning: settling blew up before step 0, from its step ");
     assert_non_null(text);
-    /* The numbers are those of the world that was made. */
-    assert_true(metric(world, "courant_number") > 0.5);
+    assert_true(metric(world, "courant_number") > 0.5); /* of the world that was made */
     rheo__text_print(supports, sizeof supports, "%.3g supports per step", metric(world, "courant_number"));
     assert_non_null(strstr(text, supports));
     assert_non_null(strstr(text, "make the scene again with step="));
@@ -762,34 +768,33 @@ static void fluid_that_has_not_settled_is_told(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(built_in_scenes_have_no_warnings),
-        cmocka_unit_test(good_scenes_have_no_warnings),
-        cmocka_unit_test(a_material_that_no_shape_is_of_is_told),
-        cmocka_unit_test(particles_behind_a_wall_are_counted),
-        cmocka_unit_test(a_turned_normal_is_refused),
-        cmocka_unit_test(a_fall_without_a_floor_is_told),
-        cmocka_unit_test(shapes_that_overlap_are_named),
-        cmocka_unit_test(nested_blocks_are_compressed),
-        cmocka_unit_test(a_spacing_that_does_not_fit_the_support_is_told),
-        cmocka_unit_test(close_pairs_of_a_rough_shape_are_all_found),
-        cmocka_unit_test(a_ball_in_a_wall_is_told_or_refused),
-        cmocka_unit_test(a_ball_that_does_not_fit_between_walls_is_told),
-        cmocka_unit_test(a_ball_in_the_fluid_is_told),
-        cmocka_unit_test(speeds_that_a_step_does_not_resolve_are_told),
-        cmocka_unit_test(plates_without_particles_and_fast_ones_are_told),
-        cmocka_unit_test(only_jitter_behind_a_wall_is_no_mistake),
-        cmocka_unit_test(a_scene_without_shapes_has_no_fluid),
-        cmocka_unit_test(what_helps_can_be_done_and_helps),
-        cmocka_unit_test(parameters_out_of_the_ranges_of_the_doctor_are_told),
-        cmocka_unit_test(shapes_without_a_particle_are_told),
-        cmocka_unit_test(a_short_list_counts_all_warnings),
-        cmocka_unit_test(creation_tells_the_same_warnings),
-        cmocka_unit_test(settling_that_blew_up_is_told),
-        cmocka_unit_test(a_good_settling_has_no_warning),
-        cmocka_unit_test(fluid_that_has_not_settled_is_told),
-        cmocka_unit_test(a_ball_is_placed_on_the_surface),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(built_in_scenes_have_no_warnings),
+                                       cmocka_unit_test(good_scenes_have_no_warnings),
+                                       cmocka_unit_test(a_material_that_no_shape_is_of_is_told),
+                                       cmocka_unit_test(particles_behind_a_wall_are_counted),
+                                       cmocka_unit_test(a_turned_normal_is_refused),
+                                       cmocka_unit_test(a_fall_without_a_floor_is_told),
+                                       cmocka_unit_test(shapes_that_overlap_are_named),
+                                       cmocka_unit_test(nested_blocks_are_compressed),
+                                       cmocka_unit_test(a_spacing_that_does_not_fit_the_support_is_told),
+                                       cmocka_unit_test(close_pairs_of_a_rough_shape_are_all_found),
+                                       cmocka_unit_test(a_ball_in_a_wall_is_told_or_refused),
+                                       cmocka_unit_test(a_ball_that_does_not_fit_between_walls_is_told),
+                                       cmocka_unit_test(a_ball_in_the_fluid_is_told),
+                                       cmocka_unit_test(speeds_that_a_step_does_not_resolve_are_told),
+                                       cmocka_unit_test(plates_without_particles_and_fast_ones_are_told),
+                                       cmocka_unit_test(only_jitter_behind_a_wall_is_no_mistake),
+                                       cmocka_unit_test(a_scene_without_shapes_has_no_fluid),
+                                       cmocka_unit_test(what_helps_can_be_done_and_helps),
+                                       cmocka_unit_test(parameters_out_of_the_ranges_of_the_doctor_are_told),
+                                       cmocka_unit_test(shapes_without_a_particle_are_told),
+                                       cmocka_unit_test(a_short_list_counts_all_warnings),
+                                       cmocka_unit_test(creation_tells_the_same_warnings),
+                                       cmocka_unit_test(settling_that_blew_up_is_told),
+                                       cmocka_unit_test(a_good_settling_has_no_warning),
+                                       cmocka_unit_test(fluid_that_has_not_settled_is_told),
+                                       cmocka_unit_test(a_ball_is_placed_on_the_surface),
+                                       cmocka_unit_test(texts_are_the_stored_ones)};
     setlocale(LC_ALL, "de_DE.UTF-8"); /* where there is one: warnings have a point all the same */
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -352,6 +352,54 @@ static void a_ball_that_leaves_a_wall_is_not_rubbed(void **unused)
 }
 
 /* A push J at a point turns the ball by arm x J, which the moment of inertia 2/5 M R^2 resists. */
+/*
+ * A ball that slides, turns and rolls against a wall does the same, bit by bit, at a wall in each of the six directions: all
+ * vectors have their components moved on, and mirrored. A mirror turns a spin the other way.
+ */
+static void a_wall_treats_the_ball_alike_in_each_direction(void **unused)
+{
+    (void)unused;
+    static const double at[3] = {.25, 1.75, -.5}, velocity[3] = {3, -2, 1.5},
+                        spin[3] = {1, -.5, 4}; /* floor: axis 1 */
+    double first[9];
+    for (int turn = 0; turn < 3; turn++)
+        for (int sign = 1; sign >= -1; sign -= 2) {
+            rheo_world_def def = ball_def();
+            def.ball.friction = 25;
+            def.walls.plane = some_walls();
+            def.walls.count = 1;
+            walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 0, 0}};
+            walls_of(&def)[0].normal[(1 + turn) % 3] = sign;
+            for (int a = 0; a < 3; a++) {
+                const int to = (a + turn) % 3;
+                def.ball.position[to] = sign * at[a];
+                def.ball.velocity[to] = sign * velocity[a];
+                def.ball.spin[to] = spin[a]; /* a mirror in a point keeps it */
+            }
+            rheo_world *world = world_of(def, 0, NULL, NULL);
+            rheo_body ball;
+            step(world, 1);
+            OK(rheo_world_body(world, 0, &ball));
+            double now[9];
+            for (int a = 0; a < 3; a++) {
+                const int to = (a + turn) % 3;
+                now[a] = sign * ball.position[to];
+                now[3 + a] = sign * ball.velocity[to];
+                now[6 + a] = ball.spin[to];
+            }
+            if (turn == 0 && sign == 1) {
+                memcpy(first, now, sizeof first);
+                NEAR(now[1], 2, 1e-6); /* it touches the wall */
+                NEAR(now[4], 0, 1e-6);
+                assert_true(now[3] < 3 && now[5] > 1.5 && now[8] != 4 && now[6] != 1); /* it slides at (11, 0, -.5) */
+                NEAR(now[7], -.5, 1e-6); /* nothing turns it around the normal */
+            }
+            for (int i = 0; i < 9; i++)
+                assert_true(now[i] == first[i]);
+            rheo_world_destroy(world);
+        }
+}
+
 static void a_push_turns_the_ball_by_its_torque(void **unused)
 {
     (void)unused;
@@ -573,6 +621,7 @@ int main(void)
         cmocka_unit_test(the_ball_lands_on_a_floor),
         cmocka_unit_test(a_push_turns_the_ball_by_its_torque),
         cmocka_unit_test(a_ball_that_leaves_a_wall_is_not_rubbed),
+        cmocka_unit_test(a_wall_treats_the_ball_alike_in_each_direction),
         cmocka_unit_test(the_largest_speed_of_the_ball_is_measured_before_contact),
         cmocka_unit_test(vibrators_raise_the_floor),
         cmocka_unit_test(a_pressed_particle_follows_the_floor),

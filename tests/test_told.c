@@ -251,6 +251,13 @@ static void a_damaged_origin_is_found(void **state)
     const size_t place = (size_t)(made - f.chunk);
     for (made->size = 0; made->size < 20; made->size++)
         assert_damaged(&f, "how the recording was made cannot be read");
+    uint8_t *longer = realloc(made->data, 21); /* a byte behind the texts */
+    assert_non_null(longer);
+    made->data = longer;
+    made->data[20] = 'x';
+    made->size = 21;
+    assert_damaged(&f, "how the recording was made cannot be read");
+    made->size = 20;
     made->data[5] = 0; /* inside of the text */
     assert_damaged(&f, "how the recording was made cannot be read");
     made->data[5] = 'r';

@@ -120,5 +120,4 @@ void rheo__melting_release(rheo__melting *m)
         rheo__release(&m->allocator, arrays[i]);
     rheo__neighbours_release(&m->list, &m->allocator);
     rheo__pairs_release(&m->pairs, &m->allocator);
-    memset(m, 0, sizeof *m);
 }

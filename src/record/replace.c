@@ -107,7 +107,7 @@ static rheo_result look_into(const char *path, bool zeros_do, bool *recording, b
     if (rheo__reader_open(&reader, path, &why) != RHEO_OK)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.200s %.250s; what cannot be read is not replaced", path,
                           why.message);
-    *recording = begins_as_recording(&reader) && (zeros_do || reader.size > 0 || reader.zeros == 0);
+    *recording = begins_as_recording(&reader) && (zeros_do || reader.size > 0 || !reader.zeros);
     *blessed = *recording && rheo__reader_is_blessed(&reader);
     rheo__reader_close(&reader);
     return RHEO_OK;

@@ -62,7 +62,7 @@ static rheo_result drop_zeros(rheo__reader *reader, rheo_error *error)
         end -= count - left;
     }
     if (reader->size - end > MOST) {
-        reader->zeros = reader->size - end;
+        reader->zeros = true;
         reader->size = end;
     }
     return RHEO_OK;

@@ -25,7 +25,7 @@ typedef struct rheo__reader {
     FILE *file; /* or NULL: */
     const uint8_t *memory;
     uint64_t size;     /* without the zeros at the end of a file */
-    uint64_t zeros;    /* more than a recording can end with; 0: none */
+    bool zeros;        /* more follow than a recording can end with */
     uint64_t offset;   /* position of the file */
     bool growing;      /* a recorder was writing the file when it was opened */
     rheo__bytes frame; /* stored bytes of the chunk that was read last */

@@ -75,20 +75,30 @@ static const letter *find(char character)
     return NULL;
 }
 
-/* Lists each missing letter once. The list never ends inside a UTF-8 character. */
+/* Lists each missing letter once, as far as there is room for whole ones; rheo__fail() makes them printable. */
 rheo_result rheo__letters_check(const char *text, rheo_error *error)
 {
     char without[24] = "", with[LETTERS + 1] = "";
-    size_t count = 0;
-    for (const char *c = text; *c; c++) {
-        if (find(*c) || (*c > 0 && strchr(without, *c)))
+    size_t used = 0;
+    bool missing = false;
+    for (const char *c = text, *next; *c; c = next) {
+        for (next = c + 1; ((unsigned char)*next & 0xc0) == 0x80; next++) /* further bytes of a UTF-8 character */
+            ;
+        char one[sizeof without];
+        const size_t length = (size_t)(next - c);
+        if (find(*c))
             continue;
-        if (count + 1 < sizeof without)
-            without[count++] = (unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c;
+        missing = true;
+        if (used + length >= sizeof without)
+            continue;
+        memcpy(one, c, length);
+        one[length] = 0;
+        if (strstr(without, one))
+            continue;
+        memcpy(without + used, one, length + 1);
+        used += length;
     }
-    while (count > 0 && count + 1 == sizeof without && ((unsigned char)without[count - 1] & 0x80))
-        without[--count] = 0;
-    if (count == 0)
+    if (!missing)
         return RHEO_OK;
     for (size_t i = 0; i < LETTERS; i++)
         with[i] = letters[i].character;

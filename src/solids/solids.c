@@ -33,7 +33,6 @@ void rheo__solids_vibrators_moved(rheo__solids *solids, const rheo__state *s)
 void rheo__solids_release(rheo__solids *solids)
 {
     rheo__release(&solids->allocator, solids->touch);
-    memset(solids, 0, sizeof *solids);
 }
 
 RHEO__DEFINE_SIMD_STAGE(walls)

@@ -242,7 +242,6 @@ void rheo__thickening_release(rheo__thickening *t)
         rheo__release(&t->allocator, arrays[i]);
     rheo__neighbours_release(&t->list, &t->allocator);
     rheo__pairs_release(&t->found_pairs, &t->allocator);
-    memset(t, 0, sizeof *t);
 }
 
 void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_real *derivative)

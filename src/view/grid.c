@@ -293,7 +293,6 @@ void rheo__grid_release(rheo__grid *grid, const rheo_allocator *allocator)
     rheo__release(allocator, grid->key);
     rheo__release(allocator, grid->chi);
     rheo__release(allocator, grid->value);
-    memset(grid, 0, sizeof *grid);
 }
 
 rheo_result rheo__grid_make(rheo__grid *grid, const rheo_surface_particles *particles,
