@@ -570,11 +570,12 @@ static void an_interrupted_continuation_says_that_the_file_is_unchanged(void **s
 {
     (void)state;
     size_t size, now;
-    static const char command[] = "run bowling-ball-small --set settle.time=0 --steps 3000 --keyframes 3000 "
-                                  "-o far.rlog --continue --quiet";
+    static const char command[] = "run bowling-ball-small --set particles=1500 --set settle.time=0 --steps 3000 "
+                                  "--keyframes 3000 -o far.rlog --continue --quiet";
     remove("far.rlog");
     assert_code(0,
-                run("run bowling-ball-small --set settle.time=0 --steps 2999 --keyframes 3000 -o far.rlog --quiet"));
+                run("run bowling-ball-small --set particles=1500 --set settle.time=0 --steps 2999 --keyframes 3000 "
+                    "-o far.rlog --quiet"));
     char *bytes = read_bytes("far.rlog", &size), *kept = malloc(size);
     memcpy(kept, bytes, size);
     assert_code(4, interrupt(command));
