@@ -154,6 +154,15 @@ static void a_fork_is_run_once(void **state)
           {"until ball: y < 1e9 and step > 67", 4, 0}, {"back 3", 68 - 3 - 22, 1}, {"until step > 66", 2, 0});
 }
 
+/* A change is printed after the player has read a keyframe, and so has another world. */
+static void why_prints_the_unit_after_a_keyframe_is_read(void **state)
+{
+    (void)state;
+    record_long();
+    assert_code(0, run("why cost.rlog --step 39 --particle 50"));
+    assert_in("step 39, position of particle 50 (unit L):", out);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -163,6 +172,7 @@ int main(void)
         cmocka_unit_test(until_goes_on_from_the_place),
         cmocka_unit_test(back_until_goes_there_from_a_state_near_it),
         cmocka_unit_test(a_fork_is_run_once),
+        cmocka_unit_test(why_prints_the_unit_after_a_keyframe_is_read),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -5,7 +5,7 @@
 
 typedef struct printing {
     const cli_why_request *request;
-    const rheo_world *world;
+    rheo_player *player; /* its world is another one after a keyframe is read */
     uint64_t changes;
     bool not_finite; /* a value was not finite */
     rheo__json *json;
@@ -17,7 +17,7 @@ static bool print_change(void *data, const rheo_change *change)
     const cli_why_request *r = p->request;
     if (p->changes++ == 0 && !r->json)
         printf("step %llu, %s of particle %llu (unit %s):\n", (unsigned long long)r->step, r->field,
-               (unsigned long long)r->id, cli_why_unit(p->world, r->field));
+               (unsigned long long)r->id, cli_why_unit(rheo_player_world(p->player), r->field));
     for (uint32_t axis = 0; axis < change->components; axis++)
         p->not_finite = p->not_finite || change->after[axis] - change->after[axis] != 0;
     (r->json ? cli_why_change_json : cli_why_change_text)(r, change);
@@ -70,7 +70,7 @@ static rheo_result print_chain(printing *p, rheo_player *player, rheo_error *err
 
 rheo_result cli_why_print(const cli_why_request *r, rheo_player *player, uint64_t *changes, rheo_error *error)
 {
-    printing p = {.request = r, .world = rheo_player_world(player)};
+    printing p = {.request = r, .player = player};
     rheo_result result = rheo_player_why(player, r->step, r->stage, r->id, r->field, print_change, &p, error);
     *changes = p.changes;
     if (result == RHEO_OK && cli_interrupted())
