@@ -51,6 +51,9 @@ when ball.rlog 'ball: y > 9' --last
 inspect ball.rlog --step 2009 --stage forces@2
 track ball.rlog --ball --from 2000 --to 2009
 track ball.rlog --ball --every 670
+why ball.rlog --step 2009 --particle 10000
+why ball.rlog --step 2009 --particle 10000 --depth 6
+why-not ball.rlog --step 2009 --pair 10000:10001
 END
     cat >commands <<END
 goto 1339

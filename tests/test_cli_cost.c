@@ -163,6 +163,34 @@ static void why_prints_the_unit_after_a_keyframe_is_read(void **state)
     assert_in("step 39, position of particle 50 (unit L):", out);
 }
 
+/* One more step than to the state before. */
+static void why_makes_the_step_once_more(void **state)
+{
+    (void)state;
+    record_long();
+    costs(18, 1, "why cost.rlog --step 18 --particle 50");
+    costs(1, 2, "why cost.rlog --step 41 --particle 50");
+    costs(20, 2, "why cost.rlog --step 60 --particle 50 --stage forces@1");
+    costs(20, 2, "why-not cost.rlog --step 45 --pair 10:90");
+    costs(10, 2, "why-not cost.rlog --step 66 --spring 50:51");
+    assert_code(0, run("why cost.rlog --step 41 --particle 50 --json"));
+    assert_in("\"steps_simulated\": 1, \"states_read\": 2, ", out);
+    run("why-not cost.rlog --step 66 --pair 50:51 --json");
+    assert_in("\"steps_simulated\": 10, \"states_read\": 2, ", out);
+}
+
+/* The way to the step is not made again. A link costs the steps that are looked at, and few before them. */
+static void a_chain_takes_half_an_interval_more_than_its_step(void **state)
+{
+    unsigned steps, states;
+    (void)state;
+    assert_code(0, run("run %s --steps 70 --keyframes 70 -o cost.rlog --force --quiet", scene));
+    run("why cost.rlog --step 68 --particle 50 --depth 6 --cost");
+    assert_in("\n  ends: after 6 links, as asked", out);
+    read_cost(err, &steps, &states);
+    assert_in_range(steps, 68 + 6, 68 + 35);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -173,6 +201,8 @@ int main(void)
         cmocka_unit_test(back_until_goes_there_from_a_state_near_it),
         cmocka_unit_test(a_fork_is_run_once),
         cmocka_unit_test(why_prints_the_unit_after_a_keyframe_is_read),
+        cmocka_unit_test(why_makes_the_step_once_more),
+        cmocka_unit_test(a_chain_takes_half_an_interval_more_than_its_step),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

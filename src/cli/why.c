@@ -90,6 +90,8 @@ static void print_end(const cli_why_request *r, int status, uint64_t changes)
     rheo__json_text(&json, "file", r->file);
     rheo__json_text(&json, "outcome", status == CLI_DONE ? changes ? "found" : "none" : cli_status_name(status));
     rheo__json_integer(&json, "changes", changes);
+    rheo__json_integer(&json, "steps_simulated", rheo_work_done().steps);
+    rheo__json_integer(&json, "states_read", rheo_work_done().states);
     rheo__json_text(&json, "reason", status == CLI_DONE ? NULL : cli_said());
     rheo__json_end_object(&json);
 }
@@ -114,13 +116,19 @@ static int run(int argc, char **argv)
     cli_why_request r = {.field = "position"};
     const char *simd = NULL;
     cli_number step = {0}, particle = {0}, depth = {false, 1}, top = {false, CLI_WHY_TOP};
-    bool all = false;
+    bool all = false, cost = false;
     const cli_option options[] = {
-        {"--step", NULL, "S", CLI_NUMBER, &step},      {"--particle", NULL, "ID", CLI_NUMBER, &particle},
-        {"--field", NULL, "NAME", CLI_TEXT, &r.field}, {"--stage", NULL, "NAME", CLI_TEXT, &r.stage},
-        {"--depth", NULL, "N", CLI_NUMBER, &depth},    {"--top", NULL, "N", CLI_NUMBER, &top},
-        {"--all", NULL, NULL, CLI_FLAG, &all},         {"--simd", NULL, "NAME", CLI_TEXT, &simd},
-        {"--json", NULL, NULL, CLI_FLAG, &r.json},     {0},
+        {"--step", NULL, "S", CLI_NUMBER, &step},
+        {"--particle", NULL, "ID", CLI_NUMBER, &particle},
+        {"--field", NULL, "NAME", CLI_TEXT, &r.field},
+        {"--stage", NULL, "NAME", CLI_TEXT, &r.stage},
+        {"--depth", NULL, "N", CLI_NUMBER, &depth},
+        {"--top", NULL, "N", CLI_NUMBER, &top},
+        {"--all", NULL, NULL, CLI_FLAG, &all},
+        {"--cost", NULL, NULL, CLI_FLAG, &cost},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
+        {"--json", NULL, NULL, CLI_FLAG, &r.json},
+        {0},
     };
     int status = cli_parse(&cli_why, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -144,6 +152,8 @@ static int run(int argc, char **argv)
         status = ask(&r, recording, &changes);
     if (r.json)
         print_end(&r, status, changes);
+    if (cost)
+        cli_say_cost((cli_cost){.seconds = 0});
     rheo_recording_close(recording);
     return status == CLI_DONE && !changes ? CLI_DIFFERS : status;
 }

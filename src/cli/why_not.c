@@ -66,6 +66,8 @@ static void print_json(const request *r, int status, const rheo_why_not *w)
     rheo__json_known_integer(&json, "first_looked", known, w->first);
     rheo__json_known_integer(&json, "last_looked", known, w->last);
     rheo__json_text(&json, "why", known ? w->why : NULL);
+    rheo__json_integer(&json, "steps_simulated", rheo_work_done().steps);
+    rheo__json_integer(&json, "states_read", rheo_work_done().states);
     rheo__json_text(&json, "reason", known ? NULL : cli_said());
     rheo__json_end_object(&json);
 }
@@ -103,14 +105,12 @@ static int run(int argc, char **argv)
     rheo_why_not w = {0};
     const char *simd = NULL;
     cli_number step = {0};
+    bool cost = false;
     const cli_option options[] = {
-        {"--step", NULL, "S", CLI_NUMBER, &step},
-        {"--spring", NULL, "A:B", CLI_TEXT, &r.spring},
-        {"--pair", NULL, "A:B", CLI_TEXT, &r.pair},
-        {"--list", NULL, NULL, CLI_FLAG, &r.list},
-        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
-        {"--json", NULL, NULL, CLI_FLAG, &r.json},
-        {0},
+        {"--step", NULL, "S", CLI_NUMBER, &step},   {"--spring", NULL, "A:B", CLI_TEXT, &r.spring},
+        {"--pair", NULL, "A:B", CLI_TEXT, &r.pair}, {"--list", NULL, NULL, CLI_FLAG, &r.list},
+        {"--cost", NULL, NULL, CLI_FLAG, &cost},    {"--simd", NULL, "NAME", CLI_TEXT, &simd},
+        {"--json", NULL, NULL, CLI_FLAG, &r.json},  {0},
     };
     int status = cli_parse(&cli_why_not, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -130,6 +130,8 @@ static int run(int argc, char **argv)
         status = ask(&r, recording, &w);
     if (r.json)
         print_json(&r, status, &w);
+    if (cost)
+        cli_say_cost((cli_cost){.seconds = 0});
     rheo_recording_close(recording);
     return status == CLI_DONE && w.holds ? CLI_DIFFERS : status;
 }

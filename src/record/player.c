@@ -10,8 +10,18 @@
 #include "core/progress.h"
 #include "record/recording.h"
 
-/* States that steps back keep, and those of a search: the newest, and the newest before the last place that it found. */
-enum { MOST_KEPT = 16, KEPT_NEWEST = MOST_KEPT, KEPT_FOUND, KEPT_SLOTS };
+/*
+ * States that steps back keep; those of a search: the newest, and the newest before the last place that it found; those on the
+ * way to steps that are explained.
+ */
+enum {
+    MOST_KEPT = 16,
+    KEPT_NEWEST = MOST_KEPT,
+    KEPT_FOUND,
+    KEPT_EXPLAIN,
+    MOST_EXPLAIN = 16,
+    KEPT_SLOTS = KEPT_EXPLAIN + MOST_EXPLAIN
+};
 
 /* A checkpoint in memory. */
 typedef struct kept_state {
@@ -105,6 +115,43 @@ static bool is_on_the_way(const rheo_player *p, uint64_t step)
            p->step >= p->r->keyframes[rheo__recording_nearest(p->r, step)].step;
 }
 
+/* Instead of a stride: states for explanations are kept. */
+static const uint64_t EXPLAIN = UINT64_MAX;
+
+/*
+ * Keeps the present state, `left` steps before the one to explain, if it will be wanted: the same step is explained for several
+ * particles, and then the steps before it. So states are kept 0, 8, 24, 56 ... steps before it: few, for a state takes longer to
+ * keep than a step to make, and the way from one of them is no longer than the way back has been, or 8 steps.
+ */
+static void keep_to_explain(rheo_player *p, uint64_t left)
+{
+    enum { APART = 8 };
+    const uint64_t distances = left / APART + 1;
+    rheo_error ignored; /* without it, explanations only take longer */
+    kept_state *free_slot = NULL;
+    if (left % APART != 0 || (distances & (distances - 1)) != 0 ||
+        p->r->keyframes[rheo__recording_nearest(p->r, p->step)].step == p->step)
+        return;
+    for (size_t i = 0; i < KEPT_SLOTS; i++) {
+        if (p->kept[i].bytes && p->kept[i].step == p->step)
+            return;
+        if (i >= KEPT_EXPLAIN && !p->kept[i].bytes)
+            free_slot = &p->kept[i];
+    }
+    if (free_slot && keep(p, free_slot, &ignored) != RHEO_OK)
+        forget(free_slot);
+}
+
+static void keep_on_the_way(rheo_player *p, uint64_t left, uint64_t stride)
+{
+    if (stride == EXPLAIN) {
+        keep_to_explain(p, left);
+    } else if (left && stride && left % stride == 0 && p->kept_count < MOST_KEPT) {
+        rheo_error ignored; /* without it, later steps back only take longer */
+        p->kept_count += keep(p, &p->kept[p->kept_count], &ignored) == RHEO_OK;
+    }
+}
+
 /* `stride`: number of steps from one state that is kept to the next; 0: keep none. */
 static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error *error)
 {
@@ -113,14 +160,11 @@ static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error
         RHEO__TRY(finish_step(p, error));
     if (!is_between_steps(p) || p->step > step || p->step < p->r->keyframes[rheo__recording_nearest(p->r, step)].step)
         RHEO__TRY(load_before(p, step, error));
-    if (stride)
+    if (stride && stride != EXPLAIN)
         forget_kept(p);
     const uint64_t from = p->step;
     while (p->step < step) {
-        if (stride && (step - p->step) % stride == 0 && p->kept_count < MOST_KEPT) {
-            rheo_error ignored; /* without it, later steps back only take longer */
-            p->kept_count += keep(p, &p->kept[p->kept_count], &ignored) == RHEO_OK;
-        }
+        keep_on_the_way(p, step - p->step, stride);
         rheo_result result = rheo__recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world, error);
         if (result != RHEO_OK) {
             /* The world is in the middle of a step that is not the recorded one. */
@@ -136,6 +180,7 @@ static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error
         p->step++;
         RHEO__TRY(rheo__progress("simulating", p->step - from, step - from, error));
     }
+    keep_on_the_way(p, 0, stride);
     return RHEO_OK;
 }
 
@@ -264,14 +309,22 @@ static rheo_result no_such_step(const rheo_recording *r, uint64_t step, rheo_err
                       (unsigned long long)r->first_step + 1, (unsigned long long)r->last_step + r->has_failure);
 }
 
+/* Goes to the step before one that is explained. Those before it are explained after it. */
+static rheo_result go_to_explain(rheo_player *p, uint64_t step, rheo_error *error)
+{
+    for (size_t i = KEPT_EXPLAIN; i < KEPT_SLOTS; i++)
+        if (p->kept[i].bytes && p->kept[i].step > step)
+            forget(&p->kept[i]);
+    return go(p, step, EXPLAIN, error);
+}
+
 rheo_result rheo__player_step_account(rheo_player *p, uint64_t step, rheo__account *account, rheo_error *error)
 {
     rheo_recording *r = p->r;
     const uint64_t last = r->last_step + r->has_failure;
     if (step <= r->first_step || step > last)
         return no_such_step(r, step, error);
-    const bool is_ahead = is_between_steps(p) && p->step < step;
-    RHEO__TRY(is_ahead ? go(p, step - 1, 0, error) : go_back(p, step - 1, error));
+    RHEO__TRY(go_to_explain(p, step - 1, error));
     rheo_result result;
     if (step > r->last_step) {
         RHEO__TRY(begin_step(p, error));
