@@ -12,7 +12,7 @@ if [ "$python" = none ]; then
     echo "reference: skipped, because it needs Python with numpy (Debian: python3-numpy)"
     exit 77
 fi
-export PYTHONDONTWRITEBYTECODE=1
+export PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$source/src/python
 page=$source/docs/parameters.md
 [ "$what" = golden ] || program=$(realpath "$3")
 cd "$source/tests/reference"
