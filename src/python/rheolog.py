@@ -355,9 +355,9 @@ def state_after(head, step, before):
     The state at the end of a step of a full recording (STAT): flat fields and springs, by name. before: those of the old state.
     """
     def read(c, field, part, count):
-        whole = field == COUNTS
-        dtype = np.dtype('<u8') if whole else np.dtype('<u4') if head.fields[field].name == 'spring_ends' else head.fields[field].dtype
-        return c.packed(count, dtype)
+        if field == COUNTS:
+            return c.packed(count, np.dtype('<u8'))
+        return c.packed(count, head.fields[field].dtype)
     arrays = join(pieces(step.stats, head, read))
     counts = arrays.get((COUNTS, 0), [])
     require(len(counts) == 6, 'STAT has no counts')
@@ -662,7 +662,8 @@ class Player:
             describe(world, index, ctypes.byref(info))
             values = np.empty((info.rows, info.items, info.components), ELEMENTS[info.element].newbyteorder('='))
             if values.nbytes != info.bytes:
-                raise LibraryError(f'{self.library.name} describes fields in another way than this module; use those of one version')
+                raise LibraryError(f'{self.library.name} describes fields in another way than this module; '
+                                   'use those of one version')
             if read(world, index, values.ctypes.data, values.nbytes) != 0:
                 raise LibraryError('there is no memory for a state')
             arrays[info.name.decode()] = values if info.ring else values[0]
@@ -769,7 +770,8 @@ class Recording:
         size = self._file.seek(0, os.SEEK_END)
         self._file.seek(0)
         begin = self._file.read(64)
-        require(not begin.startswith(b'version https://git-lfs'), 'this is a pointer of git-lfs; fetch the recording with git lfs pull')
+        require(not begin.startswith(b'version https://git-lfs'),
+                'this is a pointer of git-lfs; fetch the recording with git lfs pull')
         require(begin[:8] == MAGIC, 'this is not a recording')
         end, least = size, max(8, size - MOST_ZEROS)
         while end > least:
