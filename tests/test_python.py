@@ -55,6 +55,8 @@ def make_recordings():
     record('modes.rlog', 'drop', '--set', 'resolution=0.4', '--set', 'history.kind=tempered', '--steps', 6, '--keyframes', 3)
     record('melting.rlog', 'melting-drop', '--set', 'resolution=0.4', '--steps', 6, '--full')
     record('later.rlog', '--from', path('sparse.rlog') + '@12', '--steps', 6, '--set', 'gravity=[0, -5, 1]')
+    program('run', 'bowling-ball-small', '--set', 'particles=300', '--set', 'scheme=sequential', '--set', 'springs.stiffness=400',
+            '--set', 'history.stiffness=40000', '--steps', 100, '--quiet', '-o', path('failing.rlog'), codes=(1,))
     program('checkpoint', path('sparse.rlog'), '--step', 12, '-o', path('checkpoint.rlog'))
     os.mkdir(path('made'))
     subprocess.run([RECORDER, path('made')], check=True, stdout=subprocess.DEVNULL)
@@ -65,7 +67,7 @@ def made():
 
 
 def every_recording():
-    own = ['sparse', 'full', 'modes', 'melting', 'later', 'checkpoint']
+    own = ['sparse', 'full', 'modes', 'melting', 'later', 'failing', 'checkpoint']
     return [path(name + '.rlog') for name in own] + made()
 
 
@@ -351,9 +353,9 @@ class Tests(unittest.TestCase):
                 self.assertEqual(json.loads(r.provenance['scene_text'])['scene'], 'bowling-ball-small')
 
     def test_a_failure_is_that_of_inspect(self):
-        with rheolog.open(path('made/made-failure.rlog')) as r:
+        with rheolog.open(path('failing.rlog')) as r:
             told = objects('inspect', r.path, '--step', r.last_step)[0]['failure']
-            for known in ('step', 'stage', 'field', 'item', 'id', 'component'):
+            for known in ('step', 'stage', 'field', 'item', 'id', 'component', 'reason'):
                 self.assertEqual(r.failure[known], told[known], known)
             self.assertEqual(r.failure['metrics']['step'], r.failure['step'])
             self.assertEqual(r.step(r.failure['step'], stage=r.stages[0]).stage, r.stages[0])

@@ -33,6 +33,8 @@ ELEMENTS = {0: np.dtype('<f4'), 1: np.dtype('<f8'), 2: np.dtype('<u4'), 3: np.dt
 FLAT, SPRING, RING, MODES = range(4)
 WORLD, PARTICLE, SPRINGS, BODY, VIBRATOR = range(5)
 LOCATIONS = ['world', 'particle', 'spring', 'body', 'vibrator']
+REASONS = ['none', 'not-finite', 'density-not-positive', 'substeps-for-sound', 'substeps-for-viscosity',
+           'substeps-for-printed-viscosity', 'substeps-for-heat', 'viscosity-out-of-range']
 MELTING = 256
 MOST_RAW_BYTES = 16 << 20
 MOST_ZEROS = 256 << 20
@@ -101,10 +103,12 @@ class Cursor:
         groups = -(-count // 8) * halves
         starts, widths = np.empty(groups, np.intp), np.empty(groups, np.uint8)
         at, payload = self.at, self.payload
-        for group in range(groups):
-            require(at < len(payload), 'a payload ends early')
-            starts[group], widths[group] = at + 1, payload[at]
-            at += 1 + payload[at]
+        try:
+            for group in range(groups):
+                starts[group], widths[group] = at + 1, payload[at]
+                at += 1 + payload[at]
+        except IndexError:
+            at = len(payload) + 1
         require(at <= len(payload), 'a payload ends early')
         self.at = at
         data = np.frombuffer(payload, np.uint8)
@@ -113,8 +117,9 @@ class Cursor:
             require(bits <= 32, 'a group of packed values has more than 32 bits')
             if bits:
                 rows = np.flatnonzero(widths == bits)
-                found = np.unpackbits(data[starts[rows, None] + np.arange(bits)], axis=1, bitorder='little')
-                found = np.pad(found.reshape(-1, 8, bits), ((0, 0), (0, 0), (0, 32 - bits)))
+                found = np.zeros((len(rows), 8, 32), np.uint8)
+                found[:, :, :bits] = np.unpackbits(data[starts[rows, None] + np.arange(bits)], axis=1,
+                                                   bitorder='little').reshape(-1, 8, bits)
                 values[rows] = np.packbits(found, axis=2, bitorder='little').view('<u4')[:, :, 0]
         if halves == 1:
             return values.reshape(-1)[:count]
@@ -437,17 +442,14 @@ def total(terms):
     return int(np.add.reduce(terms, dtype=np.uint64)) if len(terms) else 0
 
 
-def key(i):
-    product = (0xA0761D6478BD642F ^ i) * 0xE7037ED1A0B428DB
-    return ((product & MASK) ^ (product >> 64)) & ~3 | 1
-
-
 def keys(ids):
-    """key() of each id."""
-    if not len(ids):
-        return np.zeros(0, np.uint64)
-    different, places = np.unique(ids, return_inverse=True)
-    return np.array([key(i) for i in different.tolist()], dtype=np.uint64)[places]
+    """key() of each id. The upper half of a product of 128 bits is computed from halves of 32 bits."""
+    factor, half, low = 0xE7037ED1A0B428DB, u64(32), u64(0xFFFFFFFF)
+    a = ids.astype(np.uint64) ^ u64(0xA0761D6478BD642F)
+    a0, a1, f0, f1 = a & low, a >> half, u64(factor & 0xFFFFFFFF), u64(factor >> 32)
+    middle = a1 * f0 + (a0 * f0 >> half)
+    high = a1 * f1 + (middle >> half) + (a0 * f1 + (middle & low) >> half)
+    return (a * u64(factor) ^ high) & u64(~3) | u64(1)
 
 
 def lengths(values):
@@ -807,7 +809,8 @@ class Recording:
             self._failed = Failure(self.head, step, self._read(chunk), [self._read(c) for c in kept.inputs])
             f = self._failed
             self.failure = {'step': f.step, 'stage': f.stage, 'field': f.field, 'item': LOCATIONS[f.location], 'id': f.id,
-                            'component': f.component, 'reason': f.reason, 'required': f.required, 'limit': f.limit,
+                            'component': f.component, 'reason': REASONS[f.reason] if f.reason < len(REASONS) else 'unknown',
+                            'required': f.required, 'limit': f.limit,
                             'metrics': dict(zip(self.head.metrics, f.metrics))}
         elif kind in (b'MADE', b'GOLD'):
             require(not self._keyframes, f'{kind.decode()} is behind the first keyframe')
