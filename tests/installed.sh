@@ -67,6 +67,26 @@ for type in float double; do
 done
 differ "$tmp/float.out" "$tmp/double.out" || fail "both number types have the same results"
 
+# ---- Python ----
+
+# Both builds install the same module, and each library makes a step that a recording of its number type does not store.
+modules=$(find "$root" -name rheolog.py)
+if [ -n "$modules" ] && (. "$source/tests/numpy.sh") >"$tmp/said"; then
+    [ "$(echo "$modules" | wc -l)" = 1 ] || fail "rheolog.py is installed more than once: $modules"
+    cmp "$modules" "$source/src/python/rheolog.py" || fail "another rheolog.py is installed"
+    . "$source/tests/numpy.sh"
+    for type in float double; do
+        ending=
+        [ $type = float ] || ending=-double
+        "$root/bin/rheolog$ending" run bowling-ball-small --set particles=300 --steps 3 --quiet -o "$tmp/$type.rlog" >"$tmp/said"
+        hash=$(cd "$tmp" && PYTHONPATH=$(dirname "$modules") LD_LIBRARY_PATH=$libraries "$python" -c '
+import sys
+import rheolog
+print(rheolog.__file__, rheolog.open(sys.argv[1])[3].hash())' "$tmp/$type.rlog")
+        [ "$hash" = "$modules $(sed -n 's/^hash *//p' "$tmp/said")" ] || fail "rheolog.py has another state of $type: $hash"
+    done
+fi
+
 # ---- Scene files ----
 
 if [ "$json" = enabled ]; then

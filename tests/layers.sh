@@ -11,7 +11,7 @@ trap 'rm -rf "$scratch"' EXIT
 rank() {
     case $2 in
     core) echo 1 ;; space) echo 2 ;; solids) echo 3 ;; world) echo 4 ;; record) echo 5 ;;
-    scenes) echo 6 ;; view) echo 7 ;; json) echo 8 ;; cli) echo 9 ;;
+    scenes) echo 6 ;; view) echo 7 ;; json) echo 8 ;; cli) echo 9 ;; python) echo 10 ;;
     *) [ -e "$1/src/$2/stages.def" ] && echo 3 || echo 0 ;;
     esac
 }

@@ -5,14 +5,7 @@
 #   reference.sh SOURCE made PROGRAM       the recordings that PROGRAM (reference_recordings.c) makes
 set -eu
 source=$1 what=$2
-for python in python3 /usr/bin/python3 none; do
-    [ "$python" = none ] || ! "$python" -c 'import numpy' 2>/dev/null || break
-done
-if [ "$python" = none ]; then
-    echo "reference: skipped, because it needs Python with numpy (Debian: python3-numpy)"
-    exit 77
-fi
-export PYTHONDONTWRITEBYTECODE=1
+. "$source/tests/numpy.sh"
 page=$source/docs/parameters.md
 [ "$what" = golden ] || program=$(realpath "$3")
 cd "$source/tests/reference"

@@ -8,9 +8,9 @@ recordings of the melting model and of scheme positions it checks the keyframes 
 import os
 import sys
 
-import hashes
 import numpy as np
 import reader
+import rheolog
 from parameters import Definition, Parameters
 from world import World
 
@@ -23,21 +23,6 @@ class Differs(Exception):
 
 def run_name(stage, substep):
     return f'{stage.name}@{substep}' if substep else stage.name
-
-
-def check_keyframe(head, frame):
-    """The hashes of a keyframe, from its values."""
-    v = frame.values
-    for field, expected in zip(head.fields, frame.hashes):
-        if field.name == 'spring_ends':
-            found = hashes.of_spring_ends(v['spring_ends'])
-        elif field.name == 'spring_rest_length':
-            found = hashes.of_rest_lengths(v['spring_ends'], v['spring_rest_length'].reshape(-1))
-        else:
-            rows = [v[field.name]] if field.storage == reader.FLAT else v[field.name]
-            found = hashes.of_rows(rows, frame.items(field))
-        if found != expected:
-            raise Differs(f'keyframe of step {frame.step}: {field.name} does not have the recorded hash')
 
 
 def where(field, own, recorded):
@@ -63,7 +48,7 @@ class Check:
     def run(self):
         """Returns what was done. Raises Differs at the first difference."""
         frame = self.recording.keyframe
-        check_keyframe(self.head, frame)
+        frame.check(self.head)
         if self.head.features & MELTING:
             self.read_states()
             return 'only read (melting)'
@@ -84,16 +69,16 @@ class Check:
         before = self.recording.keyframe.values
         for step in self.recording.steps:
             if self.head.full:
-                before = reader.state_after(self.head, step, before)
+                before = rheolog.state_after(self.head, step, before)
             if step.keyframe:
-                check_keyframe(self.head, step.keyframe)
+                step.keyframe.check(self.head)
 
     def step(self, step):
         for command in step.commands:
             self.world.command(command)
         self.world.begin()
         expected = iter(step.hashes)
-        stored = reader.state_after(self.head, step, self.stored) if self.head.full else None
+        stored = rheolog.state_after(self.head, step, self.stored) if self.head.full else None
         for stage, substep in step.stage_runs(self.head):
             if substep and int(self.world.state.f['substeps'][0, 0]) != step.substeps:
                 raise Differs(f'step {step.number}: {step.substeps} substeps are recorded')
@@ -107,7 +92,7 @@ class Check:
         if stored:
             self.compare_stored(step, stored)
         if step.keyframe:
-            check_keyframe(self.head, step.keyframe)
+            step.keyframe.check(self.head)
             for field, expected_hash in zip(self.head.fields, step.keyframe.hashes):
                 if self.world.state.hash_of(field) != expected_hash:
                     raise Differs(f'step {step.number}: {field.name} differs from the keyframe')
@@ -144,7 +129,7 @@ class Check:
             for index in stage.writes:
                 field = self.head.fields[index]
                 values = self.world.state.f.get(field.name)
-                if field.storage != reader.FLAT or values.dtype.kind != 'f':
+                if field.storage != rheolog.FLAT or values.dtype.kind != 'f':
                     continue
                 bad = np.argwhere(~(np.abs(values) <= self.largest(field)))
                 if len(bad):
@@ -180,7 +165,7 @@ def main(page, paths):
             check = Check(reader.Recording(path), parameters)
             how = check.run()
             print(f'{name}: {how}, {len(check.recording.steps)} steps, {check.compared} hashes after stages', flush=True)
-        except (Differs, reader.Damaged, OSError) as problem:
+        except (Differs, rheolog.Damaged, OSError) as problem:
             bad += 1
             print(f'{name}: {problem}', flush=True)
     return 1 if bad else 0

@@ -11,9 +11,9 @@ import sys
 import tempfile
 import zlib
 
-import hashes
 import numpy as np
 import reader
+import rheolog
 from check import Check, Differs
 from parameters import Parameters
 
@@ -41,7 +41,7 @@ class Test:
         """A check must fail with a message that has this text."""
         try:
             Check(recording, self.parameters).run()
-        except (Differs, reader.Damaged) as problem:
+        except (Differs, rheolog.Damaged) as problem:
             if text not in str(problem):
                 sys.exit(f'test_check: "{problem}" does not say "{text}"')
             return
@@ -55,7 +55,7 @@ class Test:
                 f.write(content)
             try:
                 self.differs(reader.Recording(path), text)
-            except reader.Damaged as problem:
+            except rheolog.Damaged as problem:
                 if text not in str(problem):
                     sys.exit(f'test_check: "{problem}" does not say "{text}"')
 
@@ -136,16 +136,17 @@ class Test:
     def the_vectors_of_the_page_hold(self):
         """docs/format.md, Test vectors."""
         three_seven, length = np.array([[3, 7]], dtype='<u4'), np.array([1.5], dtype=np.float32)
-        for found, expected in ((hashes.word(0, 0, 0), 0x4E17CF67001B3979),
-                                (hashes.of_rows([np.array([[1, 2, 3]], dtype=np.float32)], 1), 0x8952EA0C6417AB75),
-                                (hashes.of_rows([np.array([[7]], dtype='<u8')], 1), 0x6178FA89EAFC543B),
-                                (hashes.key(3), 0x4AE24EE7585B10B1), (hashes.of_spring_ends(three_seven), 0x8B059C703B7FBCE4),
-                                (hashes.of_rest_lengths(three_seven, length), 0xD36D7925BF36CDCE),
-                                (hashes.of_rest_lengths(three_seven, length.astype(np.float64)), 0xAF824F4BDFFA0CB8),
-                                (hashes.field(0, 1, 0), 0xCDC98B6BA68426C4)):
+        for found, expected in ((rheolog.word(0, 0, 0), 0x4E17CF67001B3979),
+                                (rheolog.hash_of_rows([np.array([[1, 2, 3]], dtype=np.float32)], 1), 0x8952EA0C6417AB75),
+                                (rheolog.hash_of_rows([np.array([[7]], dtype='<u8')], 1), 0x6178FA89EAFC543B),
+                                (int(rheolog.keys(np.array([3]))[0]), 0x4AE24EE7585B10B1),
+                                (rheolog.hash_of_spring_ends(three_seven), 0x8B059C703B7FBCE4),
+                                (rheolog.hash_of_rest_lengths(three_seven, length), 0xD36D7925BF36CDCE),
+                                (rheolog.hash_of_rest_lengths(three_seven, length.astype(np.float64)), 0xAF824F4BDFFA0CB8),
+                                (rheolog.finish_field(0, 1, 0), 0xCDC98B6BA68426C4)):
             if found != expected:
                 sys.exit(f'test_check: {found:016X} is not {expected:016X}')
-        packed = reader.Cursor(bytes.fromhex('03d1581f')).packed(7, np.dtype('<u4'))
+        packed = rheolog.Cursor(bytes.fromhex('03d1581f')).packed(7, np.dtype('<u4'))
         if packed.tolist() != [1, 2, 3, 4, 5, 6, 7]:
             sys.exit('test_check: packed values are read wrongly')
 

@@ -1,12 +1,11 @@
 """A world: its state, its stages in the order of a step, and commands (docs/bits.md, A step, Commands)."""
 import copy
 
-import hashes
 import history
 import lists
 import numpy as np
 import periodic
-import reader
+import rheolog
 import sequential
 import solids
 import summed
@@ -55,7 +54,7 @@ class State:
 
     def flat(self):
         """All fields except rings and modes, with the springs."""
-        values = {field.name: self.f[field.name] for field in self.fields if field.storage == reader.FLAT}
+        values = {field.name: self.f[field.name] for field in self.fields if field.storage == rheolog.FLAT}
         if self.has_springs:
             ends, rest = self.spring_arrays()
             order = np.lexsort((ends[:, 1], ends[:, 0]))
@@ -66,15 +65,15 @@ class State:
         """Hash of a field. newest: of a ring only row 0, as after a stage."""
         if field.name.startswith('spring_'):
             ends, rest = self.spring_arrays()
-            return hashes.of_spring_ends(ends) if field.name == 'spring_ends' else hashes.of_rest_lengths(ends, rest)
-        if field.storage == reader.FLAT:
-            return hashes.of_rows([self.f[field.name]], len(self.f[field.name]))
+            return rheolog.hash_of_spring_ends(ends) if field.name == 'spring_ends' else rheolog.hash_of_rest_lengths(ends, rest)
+        if field.storage == rheolog.FLAT:
+            return rheolog.hash_of_rows([self.f[field.name]], len(self.f[field.name]))
         rows = self.f[field.name]
-        rows = rows[:1] if newest and field.storage == reader.RING else rows
-        return hashes.of_rows(rows, len(self.f['position']))
+        rows = rows[:1] if newest and field.storage == rheolog.RING else rows
+        return rheolog.hash_of_rows(rows, len(self.f['position']))
 
     def hash(self):
-        return hashes.of_state({field.name: self.hash_of(field) for field in self.fields})
+        return rheolog.hash_of_state({field.name: self.hash_of(field) for field in self.fields})
 
 
 class World:
@@ -144,7 +143,7 @@ class World:
         elif name == 'plates':
             periodic.plates(s, d, real, s.period, wetting.number_density(d))
         else:
-            raise reader.Damaged(f'there is no stage {name} in scheme summed')
+            raise rheolog.Damaged(f'there is no stage {name} in scheme summed')
 
     def run_sequential(self, name):
         s, d, real = self.state, self.d, self.real
@@ -155,7 +154,7 @@ class World:
         elif name in ('viscosity', 'springs', 'spring_displacement', 'density'):
             getattr(sequential, name)(s, self.sweep, d, real)
         else:
-            raise reader.Damaged(f'there is no stage {name} in scheme sequential')
+            raise rheolog.Damaged(f'there is no stage {name} in scheme sequential')
 
     def end(self):
         """End of a step."""
@@ -192,13 +191,13 @@ class World:
         s, count = self.state, len(c.position)
         for field in self.head.fields:
             value = s.f.get(field.name)
-            if field.location != reader.PARTICLE or value is None:
+            if field.location != rheolog.PARTICLE or value is None:
                 continue
             given = {'position': c.position, 'start_position': c.position, 'velocity': c.velocity,
                      'material': np.full((count, 1), c.material, '<u4')}
             more = given.get('position' if field.name == 'history_position' else field.name,
                              np.zeros((count, field.components), field.dtype))
-            if field.storage == reader.FLAT:
+            if field.storage == rheolog.FLAT:
                 s.f[field.name] = np.concatenate([value, more])
             else:
                 s.f[field.name] = [np.concatenate([row, more]) for row in value]
