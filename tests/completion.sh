@@ -102,6 +102,9 @@ done
 expect "max_spring_displacement
 max_spring_displacement_id" metrics a.rlog --columns max_spr
 expect "step,time,hot_height" metrics a.rlog --columns step,time,hot_h
+expect "step,time,hot_height" table a.rlog --metrics step,time,hot_h
+expect "changed" table a.rlog --set-columns ch
+expect "scene,seed" table a.rlog --set-columns scene,see
 [ "$(completions metrics --columns "")" = "$("$rheolog" metrics --list | sed -n 's/^\([a-z][a-z_0-9]*\)  .*/\1/p' | sort -u)" ]
 expect "spring_displacement
 springs" inspect a.rlog --stage spr
@@ -113,7 +116,7 @@ done
 for simd in $("$rheolog" --version | sed -n 's/^simd: \(.*\) (.*/\1/p'); do
     expect "$simd" run --simd "$simd"
 done
-for command in verify diff bless doctor info log inspect when track debug checkpoint metrics export render rerecord same; do
+for command in verify diff bless doctor info log inspect when track debug checkpoint metrics table export render rerecord same; do
     expect "a.rlog
 b.rlog
 folder" "$command" ""

@@ -55,9 +55,9 @@ static void begin(void)
     measured.scene.world.springs.stiffness = 1;
 }
 
-static cli_table *add(const char *name, uint32_t columns)
+static cli_protocol_table *add(const char *name, uint32_t columns)
 {
-    cli_table *t = cli_rheometer_table(&measured, name);
+    cli_protocol_table *t = cli_rheometer_table(&measured, name);
     t->columns = columns;
     return t;
 }
@@ -79,7 +79,7 @@ static void a_table_grows_and_finds_its_names(void **unused)
     enum { ROWS = 100 };
     static const cli_table_column columns[] = {{"time", "T", NULL}, {"stress", "1", NULL}};
     begin();
-    cli_table *t = cli_rheometer_table(&measured, "one");
+    cli_protocol_table *t = cli_rheometer_table(&measured, "one");
     cli_table_set_columns(t, columns, 2);
     for (int i = 0; i < ROWS; i++)
         cli_table_add(t, (double[]){i, -2 * i});
@@ -136,7 +136,7 @@ static void tables_of_seeds_are_joined(void **unused)
     static const uint64_t seeds[SEEDS] = {1, 2, 3, 7};
     for (size_t count = 1; count <= SEEDS; count++) {
         static const cli_table_column columns[] = {{"time", "T", NULL}, {"stress", "1", NULL}};
-        cli_table *tables[SEEDS];
+        cli_protocol_table *tables[SEEDS];
         begin();
         for (size_t k = 0; k < count; k++) {
             tables[k] = cli_rheometer_table(&measured, "one");
@@ -152,7 +152,7 @@ static void tables_of_seeds_are_joined(void **unused)
             tables[2]->failed = true;
         }
         cli_table_join(tables, seeds, count);
-        const cli_table *t = tables[0];
+        const cli_protocol_table *t = tables[0];
         assert_true(t->columns == 3 && t->rows == count * (count + 1) / 2);
         assert_string_equal(t->column[2].name, "seed");
         size_t at = 0;
@@ -177,7 +177,7 @@ static void tables_of_seeds_are_joined(void **unused)
 static void add_law(double yield, double exponent, double consistency)
 {
     begin();
-    cli_table *t = add("flow", 6);
+    cli_protocol_table *t = add("flow", 6);
     for (double rate = 4; rate > .4; rate /= 2)
         cli_table_add(t, (double[]){rate, 1, 1, 0, 1, 1});
     cli_table_figure_is(t, "yield_stress", "", yield);
@@ -241,7 +241,7 @@ static void a_curve_without_a_law_is_told_by_its_slopes(void **unused)
     for (size_t i = 0; i < sizeof curves / sizeof *curves; i++) {
         char line[320];
         begin();
-        cli_table *t = add("flow", 6);
+        cli_protocol_table *t = add("flow", 6);
         for (int k = 0; k < MOST && curves[i].row[k][0] > 0; k++) {
             const double *row = curves[i].row[k];
             cli_table_add(t, (double[]){row[0], row[1], row[1] / row[0], row[2], row[3], 1});
@@ -282,7 +282,7 @@ static void an_oscillation_is_told_by_its_first_frequency(void **unused)
     for (size_t i = 0; i < sizeof sweeps / sizeof *sweeps; i++) {
         char line[320];
         begin();
-        cli_table *t = add("amplitude", 9);
+        cli_protocol_table *t = add("amplitude", 9);
         for (int k = 0; k < MOST && sweeps[i].row[k][0] > 0; k++) {
             const double *row = sweeps[i].row[k];
             cli_table_add(t, (double[]){row[0], row[1], row[2], row[2] * row[3], row[3], 0, 0, 0, row[4]});
@@ -320,7 +320,7 @@ static void memory_is_told_as_far_as_it_is_known(void **unused)
             measured.scene.world.springs.stiffness = springs;
             cli_table_figure_is(add("flow", 6), "loop_share", "", known[i].share);
             cli_table_figure_is(add("startup", 2), "overshoot", "", known[i].overshoot);
-            cli_table *stop = add("stop", 2);
+            cli_protocol_table *stop = add("stop", 2);
             cli_table_figure_is(stop, "time_to_1_e", "", known[i].time);
             cli_table_figure_is(stop, "stress_before", "", known[i].before);
             cli_table_figure_is(stop, "stress_left", "", known[i].left);
@@ -332,7 +332,7 @@ static void memory_is_told_as_far_as_it_is_known(void **unused)
 /* ---- Creep ---- */
 
 /* Rows of one stress: its strain at the times 1 to 8, and the rate at the end, as the protocol has it. */
-static void add_creep(cli_table *t, double stress, const double strain[8], double rate)
+static void add_creep(cli_protocol_table *t, double stress, const double strain[8], double rate)
 {
     for (int i = 0; i < 8; i++)
         cli_table_add(t, (double[]){i + 1, strain[i], stress, 0, rate});
@@ -345,7 +345,7 @@ static void creep_is_told_below_and_above_the_stress_that_flows(void **unused)
                         slower[8] = {1, 2, 3, 4, 5, 6, 7, 7.79}, slow[8] = {1, 2, 3, 4, 5, 6, 7, 7.81},
                         faster[8] = {1, 2, 3, 4, 5, 6, 7, 8.26}, fast[8] = {1, 2, 3, 4, 5, 6, 7, 8.24};
     begin();
-    cli_table *t = add("creep", 5);
+    cli_protocol_table *t = add("creep", 5);
     add_creep(t, 1, held, 0);
     assert_said(0, "creep: comes to rest under 1 L^2/T^2");
     add_creep(t, 3, held, .04); /* less than a tenth of the strain in this time */

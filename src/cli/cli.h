@@ -125,6 +125,10 @@ int cli_check_folder(const char *path);
  * code.
  */
 int cli_write_file(const char *path, void (*put)(FILE *file, const void *data), const void *data);
+/* Refuses a text file that exists, without --force, and one that is no regular file. Call it before any work. */
+int cli_check_replaced(const char *path, bool force);
+/* Writes a cell of CSV: in quotes if it has a comma, a quote or a line break. */
+void cli_put_csv(FILE *file, const char *text);
 /* Refuses an input that is a folder or cannot be opened, as bad input. A later read error is a system failure. */
 int cli_check_input(const char *path);
 /* Whether `path` is a file that can be read; pipes and devices are none. Writes the reason if not, as bad input. */
@@ -137,6 +141,8 @@ int cli_open_recording(const char *path, rheo_recording **recording);
 int cli_check_step(const char *path, const rheo_recording *recording, const char *what, uint64_t step);
 /* That warning. */
 void cli_warn_incomplete(const char *path, const rheo_recording *recording);
+/* How a recording ends: "complete", "failed", "being_written" or "truncated". */
+const char *cli_ending(const rheo_recording *recording);
 /* What there is of a recording without an end, and how to go on with it; "complete" of one with an end. */
 void cli_completeness(const rheo_recording *recording, char *text, size_t size);
 /* Whether `rheolog run --continue` goes on with a truncated recording, and what messages then add. */

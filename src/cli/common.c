@@ -187,6 +187,32 @@ int cli_write_file(const char *path, void (*put)(FILE *file, const void *data), 
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
+int cli_check_replaced(const char *path, bool force)
+{
+    struct stat status = {0};
+    const bool exists = lstat(path, &status) == 0;
+    if (exists && !S_ISREG(status.st_mode))
+        return cli_fail(CLI_BAD, "%s is no regular file, so it cannot be replaced; give another name", path);
+    if (exists && !force)
+        return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name", path);
+    return cli_check_folder(path);
+}
+
+void cli_put_csv(FILE *file, const char *text)
+{
+    if (!text[strcspn(text, ",\"\r\n")]) {
+        fputs(text, file);
+        return;
+    }
+    fputc('"', file);
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', file);
+        fputc(*text, file);
+    }
+    fputc('"', file);
+}
+
 /* Whether `path` can be read as a file of any kind. */
 static bool is_readable(const char *path, struct stat *status, rheo_error *why)
 {
@@ -252,6 +278,16 @@ bool cli_can_continue(const rheo_recording *recording)
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
     return !info.complete && !info.being_written && info.made_by[0] && !info.blessed;
+}
+
+const char *cli_ending(const rheo_recording *recording)
+{
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    rheo_failure failure;
+    return rheo_recording_failure(recording, &failure) ? "failed"
+           : info.complete                             ? "complete"
+           : info.being_written                        ? "being_written"
+                                                       : "truncated";
 }
 
 void cli_completeness(const rheo_recording *recording, char *text, size_t size)

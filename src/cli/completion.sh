@@ -89,10 +89,17 @@ cat <<END
             words=\$(printf "\${list//%/%%}%s\n" \$words)
             ;;
         --color) words='$colours' ;;
-        --format | --columns)
+        --format | --columns | --metrics)
             [[ \$before == --format ]] && words='$formats' ||
                 words=\$("\$1" metrics --list 2>/dev/null | sed -n 's/^\([a-z][a-z_0-9]*\)  .*/\1/p' | sort -u)
             local list=\${word%"\${word##*,}"} # the names before the last comma
+            words=\$(printf "\${list//%/%%}%s\n" \$words)
+            compopt -o nospace
+            ;;
+        --set-columns)
+            local list=\${word%"\${word##*,}"}
+            words="differing changed none scene \$("\$1" scenes --parameters 2>/dev/null | sed -n 's/^\([a-zA-Z_.]*\) = .*/\1/p' |
+                grep -v '[.]NAME[.]')"
             words=\$(printf "\${list//%/%%}%s\n" \$words)
             compopt -o nospace
             ;;

@@ -2,12 +2,9 @@
  * rheolog curves: the curves of Figs. 2, 3 and 4 of Ozgen, Kallmann and Brown, which show what the order q and the window d of a
  * memory do. Nothing is simulated.
  */
-#define _XOPEN_SOURCE 700 /* lstat() */
-#define _FILE_OFFSET_BITS 64
 #include "cli/curves.h"
 
 #include <string.h>
-#include <sys/stat.h>
 
 #include "json/file_name.h"
 
@@ -221,18 +218,6 @@ static int choose_curves(int operands, char **operand, cli_curves_request *r)
                          : "; there are weights, impact and steady");
 }
 
-/* Refuses before any work what must not or cannot be replaced. */
-static int check_file(const char *path, bool force)
-{
-    struct stat status = {0};
-    const bool exists = lstat(path, &status) == 0;
-    if (exists && !S_ISREG(status.st_mode))
-        return cli_fail(CLI_BAD, "%s is no regular file, so it cannot be replaced; give another name", path);
-    if (exists && !force)
-        return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name", path);
-    return cli_check_folder(path);
-}
-
 static int check_output(const arguments *a)
 {
     if (a->csv && a->json)
@@ -241,7 +226,7 @@ static int check_output(const arguments *a)
         return cli_usage(&cli_curves, "--force goes with -o");
     if (a->path && !rheo__json_ends_with(a->path, ".csv") && !rheo__json_ends_with(a->path, ".svg"))
         return cli_usage(&cli_curves, "-o needs a file name that ends in .csv or .svg; got \"%s\"", a->path);
-    return a->path ? check_file(a->path, a->force) : CLI_DONE;
+    return a->path ? cli_check_replaced(a->path, a->force) : CLI_DONE;
 }
 
 static int read_arguments(const arguments *a, int operands, char **operand, cli_curves_request *r)

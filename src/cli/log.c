@@ -14,15 +14,13 @@ static const char *ending_of(const rheo_recording *recording, char *text, size_t
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
     rheo_failure failure;
-    if (rheo_recording_failure(recording, &failure)) {
+    if (rheo_recording_failure(recording, &failure))
         rheo_failure_message(&failure, text, size);
-        return "failed";
-    }
-    if (info.complete)
+    else if (info.complete)
         snprintf(text, size, "complete, after step %llu", (unsigned long long)info.last_step);
     else
         cli_completeness(recording, text, size);
-    return info.complete ? "complete" : info.being_written ? "being_written" : "truncated";
+    return cli_ending(recording);
 }
 
 /* ---- JSON ---- */

@@ -93,22 +93,6 @@ static void release(columns *c)
 
 /* ---- CSV ---- */
 
-/* Quotes text that has a comma, a quote or a line break. */
-static void put_text(const char *text)
-{
-    if (!text[strcspn(text, ",\"\r\n")]) {
-        fputs(text, stdout);
-        return;
-    }
-    putchar('"');
-    for (; *text; text++) {
-        if (*text == '"')
-            putchar('"');
-        putchar(*text);
-    }
-    putchar('"');
-}
-
 static void print_header(const columns *c, bool with_file)
 {
     if (with_file)
@@ -122,7 +106,7 @@ static void print_header(const columns *c, bool with_file)
 static void print_row(const columns *c, const char *file, const uint32_t *index, const double *values, uint32_t count)
 {
     if (file)
-        put_text(file);
+        cli_put_csv(stdout, file);
     for (size_t i = 0; i < c->count; i++) {
         char text[32] = "";
         if (index[i] < count)

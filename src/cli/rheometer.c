@@ -216,7 +216,7 @@ static int measure(cli_measurement *r, const cli_instrument *instrument, int cou
 {
     cli_measurement *all = calloc(r->seeds, sizeof *all);
     uint64_t seeds[MOST_SEEDS];
-    cli_table *tables[MOST_SEEDS];
+    cli_protocol_table *tables[MOST_SEEDS];
     int status = all ? CLI_DONE : cli_fail(CLI_SYSTEM, "no memory for the results of %u seeds", (unsigned)r->seeds);
     for (uint32_t k = 0; k < r->seeds && status == CLI_DONE; k++) {
         all[k] = *r;

@@ -28,7 +28,7 @@ typedef struct cli_table_figure {
     double spread; /* largest distance of the others from it; NaN with one seed */
 } cli_table_figure;
 
-typedef struct cli_table {
+typedef struct cli_protocol_table {
     const char *name; /* of the protocol, and of its files */
     char about[640];  /* how it was measured */
     uint32_t columns, figures, panels;
@@ -44,25 +44,25 @@ typedef struct cli_table {
     double *value;  /* [row][column] */
     bool failed;    /* no memory for a row */
     char note[512]; /* why numbers are missing; "" : none is */
-} cli_table;
+} cli_protocol_table;
 
-void cli_table_set_columns(cli_table *table, const cli_table_column *column, size_t count);
+void cli_table_set_columns(cli_protocol_table *table, const cli_table_column *column, size_t count);
 /* Adds a row, in the order of the columns. */
-void cli_table_add(cli_table *table, const double *row);
-void cli_table_figure_is(cli_table *table, const char *name, const char *unit, double value);
+void cli_table_add(cli_protocol_table *table, const double *row);
+void cli_table_figure_is(cli_protocol_table *table, const char *name, const char *unit, double value);
 /* The power of ten above a difference from a closed form, but at least 1e-9: rounding differs from machine to machine. */
 double cli_bound(double difference);
 /* The value of a figure; NaN if there is none. */
-double cli_table_figure_of(const cli_table *table, const char *name);
-uint32_t cli_table_column_of(const cli_table *table, const char *name);
+double cli_table_figure_of(const cli_protocol_table *table, const char *name);
+uint32_t cli_table_column_of(const cli_protocol_table *table, const char *name);
 /* Adds a sentence to the note, unless it is there. */
-void cli_table_note(cli_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void cli_table_release(cli_table *table);
+void cli_table_note(cli_protocol_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void cli_table_release(cli_protocol_table *table);
 /*
  * Joins the tables of several seeds into the first: rows one after the other, with the column `seed`; of each figure the middle
  * one. The tables have the same columns and figures.
  */
-void cli_table_join(cli_table *const *tables, const uint64_t *seeds, size_t count);
+void cli_table_join(cli_protocol_table *const *tables, const uint64_t *seeds, size_t count);
 
 /* ---- What is asked for ---- */
 
@@ -82,14 +82,14 @@ typedef struct cli_measurement {
     cli_progress *progress;
     const char *prefix; /* of the names of files */
     uint32_t tables;
-    cli_table table[CLI_RHEOMETER_TABLES];
+    cli_protocol_table table[CLI_RHEOMETER_TABLES];
     char summary[3][320]; /* what fluid this is */
 } cli_measurement;
 
 /* Begins a table of the report. */
-cli_table *cli_rheometer_table(cli_measurement *measurement, const char *name);
+cli_protocol_table *cli_rheometer_table(cli_measurement *measurement, const char *name);
 /* The table of a protocol; NULL: it was not measured. */
-const cli_table *cli_table_of(const cli_measurement *measurement, const char *name);
+const cli_protocol_table *cli_table_of(const cli_measurement *measurement, const char *name);
 /* Values that were asked for, or else these. */
 const cli_values *cli_values_or(const cli_values *asked, const cli_values *otherwise);
 
@@ -124,7 +124,7 @@ extern const cli_instrument cli_pair_instrument;
 extern const cli_instrument cli_law_instrument;
 
 /* Adds figures of cli_fit_model() to a table. A signal ends it, without them. */
-void cli_put_fit(cli_table *table, const rheo_world_def *def, double length, const cli_sweep_point *point,
+void cli_put_fit(cli_protocol_table *table, const rheo_world_def *def, double length, const cli_sweep_point *point,
                  size_t count);
 /* CLI_DONE, or after a signal CLI_INTERRUPTED with a message. */
 int cli_rheometer_go_on(const cli_measurement *measurement, const char *protocol);
@@ -137,8 +137,8 @@ typedef struct cli_flow_names {
 /* A flow law that is off by more than this is none. */
 #define CLI_FLOW_ERROR .2
 /* Adds figures of cli_flow_fit() to a table; a note begins with "No flow law" and `of`. */
-void cli_put_flow_law(cli_table *table, const char *of, const double *rate, const double *stress, size_t count,
-                      const cli_flow_names *name);
+void cli_put_flow_law(cli_protocol_table *table, const char *of, const double *rate, const double *stress,
+                      size_t count, const cli_flow_names *name);
 
 /* ---- Output ---- */
 

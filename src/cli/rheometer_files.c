@@ -34,7 +34,7 @@ int cli_rheometer_check_files(const cli_measurement *m, const char *protocol, co
 
 static void put_rows(FILE *file, const void *data)
 {
-    const cli_table *t = data;
+    const cli_protocol_table *t = data;
     char text[32];
     for (uint32_t c = 0; c < t->columns; c++)
         fprintf(file, "%s%s", c ? "," : "", t->column[c].name);
@@ -68,7 +68,7 @@ static void label_of(const cli_table_column *column, char text[64])
 }
 
 /* Splits the rows into curves of equal values of a column. False: no memory. */
-static bool draw(const cli_table *t, const struct cli_table_panel *of, drawing *d, rheo_plot_panel *panel)
+static bool draw(const cli_protocol_table *t, const struct cli_table_panel *of, drawing *d, rheo_plot_panel *panel)
 {
     const uint32_t x = cli_table_column_of(t, of->x), y = cli_table_column_of(t, of->y);
     const uint32_t by = of->by ? cli_table_column_of(t, of->by) : t->columns;
@@ -113,7 +113,7 @@ static bool draw(const cli_table *t, const struct cli_table_panel *of, drawing *
     return true;
 }
 
-static int write_plot(const cli_measurement *r, const cli_table *t, const char *folder)
+static int write_plot(const cli_measurement *r, const cli_protocol_table *t, const char *folder)
 {
     char path[PATH], title[160];
     int status = path_of(r, t->name, folder, ".svg", path);
@@ -140,7 +140,7 @@ int cli_rheometer_write(const cli_measurement *r, const char *folder)
     int status = CLI_DONE;
     for (uint32_t i = 0; i < r->tables && status == CLI_DONE; i++) {
         char path[PATH];
-        const cli_table *t = &r->table[i];
+        const cli_protocol_table *t = &r->table[i];
         status = path_of(r, t->name, folder, ".csv", path);
         if (status == CLI_DONE)
             status = cli_write_file(path, put_rows, t);

@@ -30,7 +30,7 @@ static const char *unsteady(const cli_shear *s, size_t first, size_t window, dou
 }
 
 /* Goes from one rate to another, and holds it until the stress is steady; adds a row. */
-static int hold(cli_shear *s, cli_table *t, double before, double rate, bool down)
+static int hold(cli_shear *s, cli_protocol_table *t, double before, double rate, bool down)
 {
     const cli_block *b = s->block;
     const size_t least[] = {memory_steps(b) / 2, LEAST_WINDOW, cli_block_steps(b, b->diffusion_time)};
@@ -78,7 +78,7 @@ static int check_rates(const cli_block *b, const cli_values *rates)
     return CLI_DONE;
 }
 
-void cli_put_flow_law(cli_table *t, const char *of, const double *rate, const double *stress, size_t count,
+void cli_put_flow_law(cli_protocol_table *t, const char *of, const double *rate, const double *stress, size_t count,
                       const cli_flow_names *name)
 {
     cli_flow_law law = {NAN, NAN, NAN, NAN};
@@ -96,7 +96,7 @@ void cli_put_flow_law(cli_table *t, const char *of, const double *rate, const do
     cli_table_figure_is(t, name->error, "1", law.error < 1e-9 ? 1e-9 : law.error);
 }
 
-static void flow_figures(cli_table *t, double ramp_time)
+static void flow_figures(cli_protocol_table *t, double ramp_time)
 {
     static const cli_flow_names NAMES = {"yield_stress", "exponent", "consistency",
                                          "fit_error",    "L^2/T^2",  "L^2/T^(2-n)"};
@@ -129,7 +129,7 @@ static void flow_figures(cli_table *t, double ramp_time)
 static int measure_flow(cli_measurement *m, const cli_block *b)
 {
     const cli_values otherwise = rates_of(b, m->small), *rates = cli_values_or(&m->rates, &otherwise);
-    cli_table *t = cli_rheometer_table(m, "flow");
+    cli_protocol_table *t = cli_rheometer_table(m, "flow");
     snprintf(
         t->about, sizeof t->about,
         "each shear rate, up and down, is held until the means of two successive windows differ by at most %.0f %% and the "
@@ -189,7 +189,7 @@ static int start(cli_measurement *m, const cli_block *b, cli_shear *s, const cha
     return status;
 }
 
-static void note_start(cli_table *t, const char *why)
+static void note_start(cli_protocol_table *t, const char *why)
 {
     if (why)
         cli_table_note(t, "The last stress of the flow is no steady one: %s.", why);
@@ -199,7 +199,7 @@ static int measure_startup(cli_measurement *m, const cli_block *b)
 {
     const double rate = start_rate(m, b);
     char text[32];
-    cli_table *t = cli_rheometer_table(m, "startup");
+    cli_protocol_table *t = cli_rheometer_table(m, "startup");
     snprintf(t->about, sizeof t->about,
              "from rest to the shear rate %s 1/T, up to strain %.0f; steady: mean of the last strain %.0f",
              rheo_number_brief(rate, 3, text), START_STRAIN, LAST_STRAIN);
@@ -236,7 +236,7 @@ static int measure_stop(cli_measurement *m, const cli_block *b)
     size_t steps = 2 * memory_steps(b) + 60;
     const size_t flows = alpha > 0 ? cli_block_steps(b, 8 / alpha) : 0;
     steps = steps > flows ? steps : flows;
-    cli_table *t = cli_rheometer_table(m, "stop");
+    cli_protocol_table *t = cli_rheometer_table(m, "stop");
     snprintf(t->about, sizeof t->about,
              "sheared at %s 1/T up to strain %.0f, then the plate stops; left: mean of the last tenth of %zu steps",
              rheo_number_brief(rate, 3, text), START_STRAIN, steps);

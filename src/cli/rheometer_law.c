@@ -49,8 +49,8 @@ static rheo_result sheared(const rheo_world_def *of, double temperature, double 
     return result;
 }
 
-static int measure_temperature(cli_table *t, const rheo_world_def *def, double temperature, const cli_values *rates,
-                               double *worst)
+static int measure_temperature(cli_protocol_table *t, const rheo_world_def *def, double temperature,
+                               const cli_values *rates, double *worst)
 {
     for (size_t i = 0; i < rates->count; i++) {
         rheo_particle_state p;
@@ -75,7 +75,7 @@ static cli_values default_rates(const rheo_world_def *def)
     return rates;
 }
 
-static void fit(cli_table *t, const char *of, const cli_flow_names *name, size_t first, size_t count)
+static void fit(cli_protocol_table *t, const char *of, const cli_flow_names *name, size_t first, size_t count)
 {
     double rate[CLI_RHEOMETER_VALUES], stress[CLI_RHEOMETER_VALUES];
     for (size_t i = 0; i < count; i++) {
@@ -101,7 +101,7 @@ static int flow(cli_measurement *r)
                                          "solid_fit_error",    "M/(L T^2)",      "M T^(n-2)/L"},
                                 MOLTEN = {"molten_yield_stress", "molten_exponent", "molten_consistency",
                                           "molten_fit_error",    "M/(L T^2)",       "M T^(n-2)/L"};
-    cli_table *t = cli_rheometer_table(r, "flow");
+    cli_protocol_table *t = cli_rheometer_table(r, "flow");
     snprintf(
         t->about, sizeof t->about,
         "the law itself: a lattice of particles gets the velocities of each shear rate, below and above the melting "
@@ -128,7 +128,7 @@ static int flow(cli_measurement *r)
 static void sum_up(cli_measurement *r)
 {
     const rheo_world_def *def = &r->scene.world;
-    const cli_table *t = r->tables ? &r->table[0] : NULL;
+    const cli_protocol_table *t = r->tables ? &r->table[0] : NULL;
     char a[32], b[32];
     if (!t || !t->rows)
         return;

@@ -13,7 +13,7 @@ static const char *value_text(const cli_table_column *column, double value, char
     return isnan(value) ? "-" : rheo_number_brief(value, 4, text);
 }
 
-static void print_rows(const cli_table *t)
+static void print_rows(const cli_protocol_table *t)
 {
     int width[CLI_TABLE_COLUMNS];
     char text[32];
@@ -39,7 +39,7 @@ static void print_rows(const cli_table *t)
     }
 }
 
-static void print_table(const cli_table *t)
+static void print_table(const cli_protocol_table *t)
 {
     char text[32];
     cli_print(stdout, 0, "\n%s: %s\n", t->name, t->about);
@@ -75,7 +75,7 @@ void cli_rheometer_print(const cli_measurement *r, const cli_instrument *instrum
 
 /* ---- JSON ---- */
 
-static void put_table(const cli_measurement *r, const cli_table *t, const cli_instrument *instrument)
+static void put_table(const cli_measurement *r, const cli_protocol_table *t, const cli_instrument *instrument)
 {
     rheo__json json = {.file = stdout};
     rheo__json_begin_object(&json, NULL);

@@ -120,8 +120,8 @@ typedef struct sweep {
     size_t points;
 } sweep;
 
-static void measure_amplitude(cli_table *t, sweep *s, const cli_spring_law *law, double amplitude, const drive *d,
-                              double delay)
+static void measure_amplitude(cli_protocol_table *t, sweep *s, const cli_spring_law *law, double amplitude,
+                              const drive *d, double delay)
 {
     const size_t shown = 2 * d->window.samples, first = d->count - shown;
     for (size_t i = 0; i < shown; i++) {
@@ -148,7 +148,7 @@ static int amplitude(cli_measurement *r)
     const cli_values *gamma = cli_values_or(&r->amplitudes, &amplitudes), *omega = cli_values_or(&r->omegas, &omegas);
     const rheo_world_def *def = def_of(r);
     const cli_spring_law law = {def->springs.stiffness, history_of(def), def->history.onset, def->fluid.spacing};
-    cli_table *t = cli_rheometer_table(r, "amplitude");
+    cli_protocol_table *t = cli_rheometer_table(r, "amplitude");
     snprintf(t->about, sizeof t->about,
              "one spring, strain gamma0 sin(omega t) along its line, plasticity off; harmonics of %d steps of whole "
              "periods after the memory has forgotten the start; exact: closed forms with H(omega)",
@@ -198,7 +198,8 @@ static int amplitude(cli_measurement *r)
     return status;
 }
 
-void cli_put_fit(cli_table *t, const rheo_world_def *def, double length, const cli_sweep_point *point, size_t count)
+void cli_put_fit(cli_protocol_table *t, const rheo_world_def *def, double length, const cli_sweep_point *point,
+                 size_t count)
 {
     cli_model_fit fit;
     const char *why = cli_fit_model(def, length, point, count, cli_interrupted, &fit);
@@ -222,7 +223,7 @@ void cli_put_fit(cli_table *t, const rheo_world_def *def, double length, const c
 /* ---- Response of memories ---- */
 
 /* Measures D^q of an oscillation, and compares it with H(w) v. */
-static void measure_response(cli_table *t, const cli_memory *memory, const drive *d)
+static void measure_response(cli_protocol_table *t, const cli_memory *memory, const drive *d)
 {
     double part[2] = {0, 0};
     const size_t samples = d->window.samples, first = d->count - samples, late = (size_t)memory->lag + 1;
@@ -245,7 +246,7 @@ static int response(cli_measurement *r)
     static const cli_values omegas = {4, {.3, 1, 3, 10}};
     const cli_values *omega = cli_values_or(&r->omegas, &omegas);
     const rheo_world_def *def = def_of(r);
-    cli_table *t = cli_rheometer_table(r, "response");
+    cli_protocol_table *t = cli_rheometer_table(r, "response");
     snprintf(
         t->about, sizeof t->about,
         "D^q x of an oscillation over its velocity, for each kind of memory with this order, window and weights; "
@@ -304,7 +305,7 @@ static int stop(cli_measurement *r)
     const double alpha = def->springs.plasticity, gamma = def->springs.yield_ratio, k = def->springs.stiffness;
     const double strain = r->amplitudes.count ? r->amplitudes.value[0] : fmax(.5, 3 * gamma);
     const double substeps = substeps_of(def), tau = def->step / substeps, maxwell = 1 / (alpha * (1 + gamma));
-    cli_table *t = cli_rheometer_table(r, "stop");
+    cli_protocol_table *t = cli_rheometer_table(r, "stop");
     snprintf(
         t->about, sizeof t->about,
         "one spring, stretched at once by the strain %.4g and held: its rest length flows as stage densities lets "
@@ -355,7 +356,7 @@ static void sum_up(cli_measurement *r)
     const rheo_world_def *def = def_of(r);
     char a[32], b[32];
     size_t line = 0;
-    const cli_table *sweep_of = cli_table_of(r, "amplitude"), *stop_of = cli_table_of(r, "stop");
+    const cli_protocol_table *sweep_of = cli_table_of(r, "amplitude"), *stop_of = cli_table_of(r, "stop");
     if (sweep_of && sweep_of->rows) {
         const uint32_t columns = sweep_of->columns;
         double least = INFINITY, most = 0, third = 0, stiff = 0;

@@ -11,7 +11,7 @@ enum { MOST_WINDOWS = 12 };
 /* ---- Amplitude sweep ---- */
 
 typedef struct sweep {
-    cli_table *table;
+    cli_protocol_table *table;
     const cli_block *block;
     const cli_memory *memory;
     cli_spring_law law; /* of a spring that stands for the affine network: K in units of its shear modulus */
@@ -70,7 +70,7 @@ static int oscillate(cli_measurement *m, sweep *s, double amplitude, double want
     return CLI_DONE;
 }
 
-static void begin_sweep(const cli_block *b, cli_table *t, const cli_memory *memory, sweep *s)
+static void begin_sweep(const cli_block *b, cli_protocol_table *t, const cli_memory *memory, sweep *s)
 {
     const rheo_world_def *def = rheo_world_definition(b->rest);
     const bool history = def->springs.stiffness > 0 && def->history.stiffness > 0;
@@ -89,7 +89,7 @@ static int measure_amplitude(cli_measurement *m, const cli_block *b)
     const double base = cli_block_omega(b);
     const cli_values strains = {m->small ? 3 : 4, {.003, .01, .03, .1}}, turns = {m->small ? 1 : 2, {base, base / 3}};
     const cli_values *gamma = cli_values_or(&m->amplitudes, &strains), *omega = cli_values_or(&m->omegas, &turns);
-    cli_table *t = cli_rheometer_table(m, "amplitude");
+    cli_protocol_table *t = cli_rheometer_table(m, "amplitude");
     snprintf(
         t->about, sizeof t->about,
         "strain gamma0 sin(omega t) from rest; harmonics of the last period, once the window of the memory, if it has one, is full and the first "
@@ -129,7 +129,7 @@ static int measure_amplitude(cli_measurement *m, const cli_block *b)
 
 /* ---- Creep ---- */
 
-static int creep(cli_measurement *m, const cli_block *b, cli_table *t, double stress, size_t steps)
+static int creep(cli_measurement *m, const cli_block *b, cli_protocol_table *t, double stress, size_t steps)
 {
     cli_shear s;
     int status = cli_shear_begin(&s, b, m, "creep", "stress", 0);
@@ -155,7 +155,7 @@ static int measure_creep(cli_measurement *m, const cli_block *b)
     const cli_values few = {2, {.5 * unit, 4 * unit}}, more = {4, {.5 * unit, unit, 2 * unit, 4 * unit}};
     const cli_values *stress = cli_values_or(&m->stresses, m->small ? &few : &more);
     const size_t steps = cli_block_steps(b, (m->small ? 10 : 20) / cli_block_rate(b));
-    cli_table *t = cli_rheometer_table(m, "creep");
+    cli_protocol_table *t = cli_rheometer_table(m, "creep");
     snprintf(t->about, sizeof t->about,
              "strain under constant stress from rest, %zu steps; creep_rate: slope of the second half", steps);
     const cli_table_column columns[] = {{"time", "T", NULL},

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-void cli_table_set_columns(cli_table *t, const cli_table_column *column, size_t count)
+void cli_table_set_columns(cli_protocol_table *t, const cli_table_column *column, size_t count)
 {
     memcpy(t->column, column, count * sizeof *column);
     t->columns = (uint32_t)count;
 }
 
-void cli_table_add(cli_table *t, const double *row)
+void cli_table_add(cli_protocol_table *t, const double *row)
 {
     if (t->rows == t->capacity) {
         const size_t capacity = t->capacity ? 2 * t->capacity : 16;
@@ -26,7 +26,7 @@ void cli_table_add(cli_table *t, const double *row)
     memcpy(t->value + t->rows++ * t->columns, row, t->columns * sizeof *row);
 }
 
-void cli_table_figure_is(cli_table *t, const char *name, const char *unit, double value)
+void cli_table_figure_is(cli_protocol_table *t, const char *name, const char *unit, double value)
 {
     if (t->figures < CLI_TABLE_FIGURES)
         t->figure[t->figures++] = (cli_table_figure){name, unit, value, NAN};
@@ -40,7 +40,7 @@ double cli_bound(double difference)
     return bound;
 }
 
-double cli_table_figure_of(const cli_table *t, const char *name)
+double cli_table_figure_of(const cli_protocol_table *t, const char *name)
 {
     for (uint32_t i = 0; i < t->figures; i++)
         if (strcmp(t->figure[i].name, name) == 0)
@@ -48,7 +48,7 @@ double cli_table_figure_of(const cli_table *t, const char *name)
     return NAN;
 }
 
-uint32_t cli_table_column_of(const cli_table *t, const char *name)
+uint32_t cli_table_column_of(const cli_protocol_table *t, const char *name)
 {
     uint32_t i = 0;
     while (i < t->columns && strcmp(t->column[i].name, name) != 0)
@@ -56,7 +56,7 @@ uint32_t cli_table_column_of(const cli_table *t, const char *name)
     return i;
 }
 
-void cli_table_note(cli_table *t, const char *format, ...)
+void cli_table_note(cli_protocol_table *t, const char *format, ...)
 {
     char text[sizeof t->note];
     va_list arguments;
@@ -68,7 +68,7 @@ void cli_table_note(cli_table *t, const char *format, ...)
         snprintf(t->note + length, sizeof t->note - length, "%s%s", length ? " " : "", text);
 }
 
-void cli_table_release(cli_table *t)
+void cli_table_release(cli_protocol_table *t)
 {
     free(t->value);
     t->value = NULL;
@@ -90,16 +90,16 @@ static void middle_of(double *value, size_t count, double *middle, double *sprea
     *spread = known > 1 ? fmax(*middle - value[0], value[known - 1] - *middle) : NAN;
 }
 
-void cli_table_join(cli_table *const *tables, const uint64_t *seeds, size_t count)
+void cli_table_join(cli_protocol_table *const *tables, const uint64_t *seeds, size_t count)
 {
-    cli_table *first = tables[0], joined = *first;
+    cli_protocol_table *first = tables[0], joined = *first;
     double *values = malloc((count + CLI_TABLE_COLUMNS) * sizeof *values);
     joined.rows = joined.capacity = 0;
     joined.value = NULL;
     joined.column[joined.columns++] = (cli_table_column){"seed", "1", NULL};
     first->failed = first->failed || !values;
     for (size_t k = 0; k < count && values; k++) {
-        const cli_table *t = tables[k];
+        const cli_protocol_table *t = tables[k];
         for (size_t row = 0; row < t->rows; row++) {
             memcpy(values, t->value + row * t->columns, t->columns * sizeof *values);
             values[t->columns] = (double)seeds[k];
@@ -119,10 +119,10 @@ void cli_table_join(cli_table *const *tables, const uint64_t *seeds, size_t coun
     *first = joined;
 }
 
-cli_table *cli_rheometer_table(cli_measurement *r, const char *name)
+cli_protocol_table *cli_rheometer_table(cli_measurement *r, const char *name)
 {
-    cli_table *t = &r->table[r->tables++];
-    *t = (cli_table){.name = name};
+    cli_protocol_table *t = &r->table[r->tables++];
+    *t = (cli_protocol_table){.name = name};
     return t;
 }
 
@@ -131,7 +131,7 @@ const cli_values *cli_values_or(const cli_values *asked, const cli_values *other
     return asked->count ? asked : otherwise;
 }
 
-const cli_table *cli_table_of(const cli_measurement *m, const char *name)
+const cli_protocol_table *cli_table_of(const cli_measurement *m, const char *name)
 {
     for (uint32_t i = 0; i < m->tables; i++)
         if (strcmp(m->table[i].name, name) == 0)

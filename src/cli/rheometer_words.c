@@ -7,7 +7,7 @@
 enum { LINE = sizeof(((cli_measurement *)0)->summary[0]) };
 
 /* The next row of the way up whose stress is steady and has a logarithm, or the count of rows. */
-static size_t next_up(const cli_table *t, size_t i)
+static size_t next_up(const cli_protocol_table *t, size_t i)
 {
     for (; i < t->rows; i++) {
         const double *row = t->value + i * t->columns;
@@ -20,7 +20,7 @@ static size_t next_up(const cli_table *t, size_t i)
 }
 
 /* A flow curve that no law fits: where it is steepest, and where it falls. */
-static void say_curve(const cli_table *t, char line[LINE])
+static void say_curve(const cli_protocol_table *t, char line[LINE])
 {
     char a[32], b[32], c[32];
     double steepest = -INFINITY, from = NAN, to = NAN, fall = 1, fall_at = NAN;
@@ -58,7 +58,7 @@ static void say_curve(const cli_table *t, char line[LINE])
 }
 
 /* Flow: Newtonian, or with a yield stress, thinning or thickening. */
-static void say_flow(const cli_table *t, char line[LINE])
+static void say_flow(const cli_protocol_table *t, char line[LINE])
 {
     char a[32], b[32];
     const double yield = cli_table_figure_of(t, "yield_stress"), n = cli_table_figure_of(t, "exponent"),
@@ -79,7 +79,7 @@ static void say_flow(const cli_table *t, char line[LINE])
 }
 
 /* Oscillation: elastic or viscous, and what the amplitude changes. */
-static void say_oscillation(const cli_table *t, char line[LINE])
+static void say_oscillation(const cli_protocol_table *t, char line[LINE])
 {
     char a[32], b[32], c[32];
     const double *first = NULL, *last = NULL;
@@ -115,8 +115,8 @@ static void say_memory(const cli_measurement *m, char line[LINE])
     char a[32];
     /* History and rest lengths are of springs. Fluid without any has no memory. */
     const char *memory = m->scene.world.springs.stiffness > 0 ? "memory: " : "";
-    const cli_table *flow = cli_table_of(m, "flow"), *start = cli_table_of(m, "startup"),
-                    *stop = cli_table_of(m, "stop");
+    const cli_protocol_table *flow = cli_table_of(m, "flow"), *start = cli_table_of(m, "startup"),
+                             *stop = cli_table_of(m, "stop");
     const double share = flow ? cli_table_figure_of(flow, "loop_share") : NAN,
                  overshoot = start ? cli_table_figure_of(start, "overshoot") : NAN,
                  time = stop ? cli_table_figure_of(stop, "time_to_1_e") : NAN,
@@ -138,7 +138,7 @@ static void say_memory(const cli_measurement *m, char line[LINE])
 }
 
 /* Whether the strain of these rows grows as fast in their last quarter as in the one before, by a fifth. */
-static bool flows_steadily(const cli_table *t, size_t first, size_t count)
+static bool flows_steadily(const cli_protocol_table *t, size_t first, size_t count)
 {
     const double *half = t->value + (first + count / 2) * t->columns,
                  *quarter = t->value + (first + count * 3 / 4) * t->columns,
@@ -149,7 +149,7 @@ static bool flows_steadily(const cli_table *t, size_t first, size_t count)
 }
 
 /* Creep: the largest stress at which the strain comes to rest, and the smallest one at which it goes on. */
-static void say_creep(const cli_table *t, char line[LINE])
+static void say_creep(const cli_protocol_table *t, char line[LINE])
 {
     char a[32], b[32], c[32];
     double rests = -INFINITY, flows = INFINITY, rate = NAN;
@@ -181,13 +181,13 @@ static void say_creep(const cli_table *t, char line[LINE])
 static void sum_up(cli_measurement *m)
 {
     size_t line = 0;
-    const cli_table *flow = cli_table_of(m, "flow"), *amplitude = cli_table_of(m, "amplitude");
+    const cli_protocol_table *flow = cli_table_of(m, "flow"), *amplitude = cli_table_of(m, "amplitude");
     if (flow && flow->rows)
         say_flow(flow, m->summary[line++]);
     if (amplitude && amplitude->rows)
         say_oscillation(amplitude, m->summary[line++]);
     say_memory(m, m->summary[line]);
-    const cli_table *creep = cli_table_of(m, "creep");
+    const cli_protocol_table *creep = cli_table_of(m, "creep");
     line += *m->summary[line] != 0;
     if (creep && creep->rows && line < 3)
         say_creep(creep, m->summary[line]);
