@@ -11,12 +11,12 @@ const char *cli_why_source(const rheo_contribution *c, uint64_t id, char text[CL
 {
     const char *name = rheo_source_name(c->source), *item = rheo_source_item(c->source);
     const unsigned long long it = c->item, low = it < id ? it : id, high = it < id ? id : it;
-    if (c->source == RHEO_SOURCE_SPRING)
+    if (strcmp(item, "particle") == 0 && it == id)
+        snprintf(text, CLI_WHY_TEXT, "its own %s", name);
+    else if (c->source == RHEO_SOURCE_SPRING)
         snprintf(text, CLI_WHY_TEXT, "spring %llu:%llu", low, high);
     else if (c->source == RHEO_SOURCE_PLATE)
         snprintf(text, CLI_WHY_TEXT, "%s plate", it ? "upper" : "lower");
-    else if (strcmp(item, "particle") == 0 && it == id)
-        snprintf(text, CLI_WHY_TEXT, "its own %s", name);
     else if (strcmp(item, "particle") == 0)
         snprintf(text, CLI_WHY_TEXT, "%s %s %llu", name,
                  c->source == RHEO_SOURCE_PARTING ? "from"
@@ -180,11 +180,16 @@ const char *cli_why_link_text(const rheo_link *link, char text[CLI_WHY_TEXT])
     number_text(size_of(total, link->components), 3, size);
     number_text(size_of(link->largest.change, link->components), 3, part);
     cli_why_source(&link->largest, link->id, source);
-    snprintf(text, CLI_WHY_TEXT, "step %llu, %s: %s of particle %llu %s%s, %s %.60s: %s",
-             (unsigned long long)link->step, link->stage, link->field, (unsigned long long)link->id,
-             link->not_finite ? "not finite, " : "changed by ",
-             link->not_finite ? rheo_not_finite_name(link->not_finite) : size, link->not_finite ? "with" : "most by",
-             source, part);
+    const int end = snprintf(text, CLI_WHY_TEXT, "step %llu, %s: %s of particle %llu ",
+                             (unsigned long long)link->step, link->stage, link->field, (unsigned long long)link->id);
+    const size_t left = CLI_WHY_TEXT - (size_t)end;
+    if (link->not_finite == RHEO_NOT_FINITE_SWALLOWED)
+        snprintf(text + end, left, "finite again, swallowed, with %.60s", source);
+    else if (link->not_finite)
+        snprintf(text + end, left, "not finite, %s, with %.60s: %s", rheo_not_finite_name(link->not_finite), source,
+                 part);
+    else
+        snprintf(text + end, left, "changed by %s, most by %.60s: %s", size, source, part);
     return text;
 }
 
