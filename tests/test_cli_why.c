@@ -23,7 +23,8 @@ static void why_has_its_keys(void **state)
     assert_code(0, run("why a.rlog --step 6 --particle 20 --json --depth 3"));
     assert_keys(out, chain);
     assert_code(2, run("why a.rlog --step 60 --particle 20 --json"));
-    assert_in("\"outcome\": \"refused\", \"changes\": 0, \"reason\": \"a.rlog: there is no step 60 to look into",
+    assert_in("\"outcome\": \"refused\", \"changes\": 0, \"steps_simulated\": 0, \"states_read\": 1, "
+              "\"reason\": \"a.rlog: there is no step 60 to look into",
               out);
 }
 
