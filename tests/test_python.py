@@ -352,6 +352,19 @@ class Tests(unittest.TestCase):
                 self.assertEqual(r.provenance['scene_text'].strip(), program('log', r.path, '--scene').strip())
                 self.assertEqual(json.loads(r.provenance['scene_text'])['scene'], 'bowling-ball-small')
 
+    def test_the_verdict_of_a_blessing_is_that_of_log(self):
+        program('bless', path('blessed.rlog'), path('sparse.rlog'), '--because', 'the first')
+        for verdict, at_least in ((1, 1), (2, 1), (3, 2), (4, 3), (5, 5), (6, 1), (1, 9)):  # two of a later version
+            c = Chunks('blessed.rlog')
+            at = [chunk[0] for chunk in c.list].index(b'BLES') + 1
+            c.list.insert(at, [b'SAME', 1, 20, bytearray(struct.pack('<IIH', verdict, at_least, 5) + b'words')])
+            with rheolog.open(c.written()) as r:
+                self.assertEqual(r.provenance['blessings'], objects('log', r.path)[0]['blessings'])
+                self.assertEqual(r.provenance['blessings'][0]['same'], 'words' if max(verdict, at_least) < 6 else None)
+                self.assertEqual(r.verify().steps, 20)
+        del c.list[at - 1]
+        self.refused('does not belong to a blessing', lambda: rheolog.open(c.written()))
+
     def test_a_failure_is_that_of_inspect(self):
         with rheolog.open(path('failing.rlog')) as r:
             told = objects('inspect', r.path, '--step', r.last_step)[0]['failure']

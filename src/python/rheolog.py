@@ -35,6 +35,7 @@ WORLD, PARTICLE, SPRINGS, BODY, VIBRATOR = range(5)
 LOCATIONS = ['world', 'particle', 'spring', 'body', 'vibrator']
 REASONS = ['none', 'not-finite', 'density-not-positive', 'substeps-for-sound', 'substeps-for-viscosity',
            'substeps-for-printed-viscosity', 'substeps-for-heat', 'viscosity-out-of-range']
+SAMENESS = [None, 'differs', 'statistics', 'step', 'rounding', 'bits']
 MELTING = 256
 MOST_RAW_BYTES = 16 << 20
 MOST_ZEROS = 256 << 20
@@ -821,7 +822,13 @@ class Recording:
                 self._take_made(Cursor(payload))
         elif kind == b'BLES':
             c = Cursor(self._read(chunk))
-            self.blessings.append({'because': c.text(), 'build': c.text()})
+            self.blessings.append({'because': c.text(), 'build': c.text(), 'verdict': None, 'at_least': None, 'same': None})
+        elif kind == b'SAME':
+            c = Cursor(self._read(chunk))
+            verdict, at_least, message = c.u32(), c.u32(), c.text()
+            require(self.blessings and not self.blessings[-1]['verdict'], 'SAME does not belong to a blessing')
+            if 0 < verdict < len(SAMENESS) and 0 < at_least < len(SAMENESS):
+                self.blessings[-1].update(verdict=SAMENESS[verdict], at_least=SAMENESS[at_least], same=message)
         elif kind == b'INDX':
             c = Cursor(self._read(chunk))
             while not c.done():
