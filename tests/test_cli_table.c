@@ -12,11 +12,11 @@ static void record_steps(const char *name, int steps, const char *settings)
 static void a_row_has_the_differing_settings_and_the_metrics_of_the_last_step(void **state)
 {
     (void)state;
-    record_steps("a.rlog", 8, "--set history.order=0.25");
-    record_steps("b.rlog", 5, "--set history.order=0.5 --set fluid.support=3");
+    record_steps("a.rlog", 8, "--set history.order=0.25 --set springs.plasticity=2");
+    record_steps("b.rlog", 5, "--set history.order=0.5 --set springs.plasticity=3");
     assert_code(0, run("table a.rlog b.rlog --metrics step,time"));
-    assert_string_equal(out, "file,outcome,steps,fluid.support,history.order,step,time\n"
-                             "a.rlog,complete,8,4,0.25,8,0.264\n"
+    assert_string_equal(out, "file,outcome,steps,springs.plasticity,history.order,step,time\n"
+                             "a.rlog,complete,8,2,0.25,8,0.264\n"
                              "b.rlog,complete,5,3,0.5,5,0.165\n");
     assert_string_equal(err, "");
     assert_code(0, run("table b.rlog --metrics time,step")); /* nothing differs; the order is that of the list */
