@@ -6,42 +6,21 @@
 
 /* ---- Recordings in memory ---- */
 
-typedef struct recorded {
-    void *bytes;
-    rheo_recording *recording;
-    rheo_player *player;
-} recorded;
-
 /* Records these steps of a world, which it destroys; before the last one it adds `more` particles. */
 static recorded record_and_add(rheo_world *world, int steps, uint32_t more, const rheo_real *position)
 {
-    recorded r;
-    rheo_recorder *recorder;
-    size_t size;
-    const rheo_record_options options = {.scene = "why", .keyframe_spacing = 1};
-    OK(rheo_recorder_open_memory(world, &options, &recorder, &error));
+    rheo_recorder *recorder = record_in_memory(world);
     for (int i = 0; i < steps; i++) {
         if (more && i == steps - 1)
             OK(rheo_world_add_particles(world, more, position, NULL, &error));
         OK(rheo_recorder_step(recorder, &error));
     }
-    OK(rheo_recorder_close_memory(recorder, &r.bytes, &size, &error));
-    rheo_world_destroy(world);
-    OK(rheo_recording_open_memory(r.bytes, size, &r.recording, &error));
-    OK(rheo_player_open(r.recording, NULL, &r.player, &error));
-    return r;
+    return reopen(recorder, world);
 }
 
 static recorded record(rheo_world *world, int steps)
 {
     return record_and_add(world, steps, 0, NULL);
-}
-
-static void discard(recorded *r)
-{
-    rheo_player_close(r->player);
-    rheo_recording_close(r->recording);
-    free(r->bytes);
 }
 
 /* ---- Contributions of one stage run ---- */
@@ -574,23 +553,17 @@ static void particles_added_in_the_step_are_told(void **state)
 static void a_step_that_fails_is_told(void **state)
 {
     (void)state;
-    recorded r;
-    rheo_recorder *recorder;
     rheo_error why = {""};
     rheo_failure failure;
-    size_t size;
     rheo_world *world = sequential_world();
-    const rheo_record_options options = {.scene = "why", .keyframe_spacing = 1};
-    OK(rheo_recorder_open_memory(world, &options, &recorder, &error));
+    rheo_recorder *recorder = record_in_memory(world);
     OK(rheo_recorder_step(recorder, &error));
     OK(rheo_world_set(world, "springs.stiffness", "1e30", &error));
     rheo_result result = RHEO_OK;
     for (int i = 0; i < 50 && result == RHEO_OK; i++)
         result = rheo_recorder_step(recorder, &why);
     assert_int_equal(result, RHEO_ERROR_STATE);
-    OK(rheo_recorder_close_memory(recorder, &r.bytes, &size, &error));
-    OK(rheo_recording_open_memory(r.bytes, size, &r.recording, &error));
-    OK(rheo_player_open(r.recording, NULL, &r.player, &error));
+    recorded r = reopen(recorder, world);
     assert_true(rheo_recording_failure(r.recording, &failure));
     told t = {.of = "failing"};
     for (uint64_t id = 0; id < 12; id++)
@@ -600,7 +573,6 @@ static void a_step_that_fails_is_told(void **state)
     /* The player is at the step before, and goes on from there. */
     assert_int_equal(rheo_world_step_count(rheo_player_world(r.player)), failure.step - 1);
     check_particle(r.player, failure.step - 1, 1, &t);
-    rheo_world_destroy(world);
     discard(&r);
 }
 

@@ -4,6 +4,43 @@
 
 #include "support.h"
 
+/* ---- Recordings in memory ---- */
+
+typedef struct recorded {
+    void *bytes;
+    rheo_recording *recording;
+    rheo_player *player;
+} recorded;
+
+static inline rheo_recorder *record_in_memory(rheo_world *world)
+{
+    rheo_recorder *recorder;
+    const rheo_record_options options = {.scene = "why", .keyframe_spacing = 1};
+    OK(rheo_recorder_open_memory(world, &options, &recorder, &error));
+    return recorder;
+}
+
+/* Ends the recording, destroys its world and opens what was recorded. */
+static inline recorded reopen(rheo_recorder *recorder, rheo_world *world)
+{
+    recorded r;
+    size_t size;
+    OK(rheo_recorder_close_memory(recorder, &r.bytes, &size, &error));
+    rheo_world_destroy(world);
+    OK(rheo_recording_open_memory(r.bytes, size, &r.recording, &error));
+    OK(rheo_player_open(r.recording, NULL, &r.player, &error));
+    return r;
+}
+
+static inline void discard(recorded *r)
+{
+    rheo_player_close(r->player);
+    rheo_recording_close(r->recording);
+    free(r->bytes);
+}
+
+/* ---- Checks ---- */
+
 /* What was told of particles so far. */
 typedef struct told {
     const char *of; /* recording or scene */

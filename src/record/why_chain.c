@@ -191,11 +191,11 @@ static rheo_result find_not_finite(chase *c, const rheo_link *link, uint64_t id,
 static rheo_result trace_not_finite(chase *c, rheo_link *link, rheo_link *next, bool *found, rheo_error *error)
 {
     *found = false;
-    if (link->not_finite == RHEO_NOT_FINITE_PASSED_ON)
+    if (link->not_finite != RHEO_NOT_FINITE_BORN)
         RHEO__TRY(find_not_finite(c, link, link->id, next, found, error));
     if (!*found && is_pair(link))
         RHEO__TRY(find_not_finite(c, link, link->largest.item, next, found, error));
-    if (*found)
+    if (*found && link->not_finite == RHEO_NOT_FINITE_BORN)
         link->not_finite = RHEO_NOT_FINITE_PASSED_ON;
     return RHEO_OK;
 }
@@ -298,10 +298,12 @@ static rheo_result follow(chase *c, rheo_link *link, rheo_link *next, bool *foun
 {
     rheo_chain *chain = c->chain;
     *found = false;
-    if (!is_finite(link->after)) {
+    if (link->not_finite != RHEO_FINITE) {
         RHEO__TRY(trace_not_finite(c, link, next, found, error));
         if (*found)
             return RHEO_OK;
+    }
+    if (!is_finite(link->after)) {
         end_chain(c, RHEO_CHAIN_BORN, link->step);
         link->not_finite = RHEO_NOT_FINITE_BORN;
         rheo__text_print(chain->why, sizeof chain->why,
