@@ -1,6 +1,6 @@
 /*
- * Chains of causes (record/why_chain.c) and distances (record/why_not.c) in hard cases: values that are not finite, pairs
- * across a border of periodic space.
+ * Chains of causes (record/why_chain.c) and distances (record/why_not.c) in hard cases: values that are not finite, rows with
+ * entries without partners, pairs across a border of periodic space.
  */
 #include "why.h"
 
@@ -123,6 +123,28 @@ static void a_plate_swallows_infinity(void **state)
     discard(&r);
 }
 
+/*
+ * All fall so far that the squared distance to the place of idle entries overflows. These add NaN instead of 0. Particle 3
+ * has them, because it has fewer neighbours than particle 1.
+ */
+static void an_entry_without_a_partner_is_told(void **state)
+{
+    (void)state;
+    if (RHEO_DOUBLE)
+        skip(); /* its squares hold such distances */
+    const rheo_real position[12] = {1, 2, 3, 2, 2, 3, 1.5F, 2, 4, 3.5F, 2, 3};
+    rheo_world_def def = huge_step();
+    def.gravity[1] = -1e30;
+    def.fluid.stiffness = 1e-3;
+    recorded r = record_step(world_of(def, 4, position, NULL), RHEO_ERROR_STATE);
+    const links l = chain_of(&r, 3, NULL, "position");
+    assert_int_equal(l.count, 1);
+    is_link(&l.of[0], "forces@1", "position", 3, "born", RHEO_SOURCE_PRESSURE);
+    assert_int_equal(l.of[0].largest.item, 3);
+    assert_string_equal(l.of[0].largest.sum, "pressure");
+    discard(&r);
+}
+
 /* ---- Periodic space ---- */
 
 /* All that changes one of two neighbours comes from the other, and pushes it along x in this direction. */
@@ -185,6 +207,7 @@ int main(void)
         cmocka_unit_test(infinity_is_passed_on_to_a_later_stage),
         cmocka_unit_test(not_a_number_is_passed_on_to_a_partner),
         cmocka_unit_test(a_plate_swallows_infinity),
+        cmocka_unit_test(an_entry_without_a_partner_is_told),
         cmocka_unit_test(a_pair_across_a_border_is_told),
     };
     return cmocka_run_group_tests_name("chains of causes", tests, NULL, NULL);

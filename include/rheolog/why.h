@@ -10,7 +10,11 @@
 extern "C" {
 #endif
 
-/** What changes a value. The item, if there is one, is said in parentheses. */
+/**
+ * What changes a value. The item, if there is one, is said in parentheses. A pair without another particle has the particle
+ * itself as its item: farther than about 1e19 L from the origin (float), squared distances overflow, and entries of its row
+ * that have no partner add NaN instead of 0.
+ */
 typedef enum rheo_source {
     /** Nothing: a sum begins, or a field is summed anew. */
     RHEO_SOURCE_NONE = 0,
@@ -59,13 +63,16 @@ typedef enum rheo_source {
 
 /** Short name of a source, such as "spring"; NULL if there is none of this number. */
 RHEO_API const char *rheo_source_name(rheo_source source);
-/** What its item is: "particle", "wall", "plate", "lag"; "" if it has none. */
+/**
+ * What its item is: "particle", "wall", "plate", "lag", "vibrator" or "mode"; "" if it has none; NULL if there is no source of
+ * this number.
+ */
 RHEO_API const char *rheo_source_item(rheo_source source);
 
 /** Something that was added to a value, or put in its place. */
 typedef struct rheo_contribution {
     rheo_source source;
-    /** As rheo_source says. */
+    /** As rheo_source says; 0 if the source has none. */
     uint64_t item;
     /** The sum that `value` was added to, such as "pressure", an acceleration; "" if it was added to the field itself. */
     const char *sum;
@@ -87,6 +94,7 @@ typedef struct rheo_change {
     char field[32];
     /** Number of the stage run in the step, from 0: runs with smaller numbers were made before. */
     uint64_t run;
+    /** The field of the particle before and after the run: 1 component or 3, in the units of the field. Others are 0. */
     uint32_t components;
     double before[3], after[3];
     /** Before the run, all values of the particle that stages add to were finite. */
@@ -112,7 +120,8 @@ typedef bool rheo_change_receiver(void *data, const rheo_change *change);
  * them, as of rheo_player_seek_stage(); NULL: all. field: "position", "velocity", "density", "temperature" or "derivative", if
  * the world has it.
  *
- * RHEO_ERROR_ARGUMENT for others and for a particle that does not exist; RHEO_ERROR_DIFFERS if the step is not the recorded one.
+ * RHEO_ERROR_ARGUMENT for another step, stage or field, and for a particle that does not exist; RHEO_ERROR_DIFFERS if this
+ * build does not reproduce the recorded step.
  */
 RHEO_API rheo_result rheo_player_why(rheo_player *player, uint64_t step, const char *stage, uint64_t id,
                                      const char *field, rheo_change_receiver *receiver, void *data,
@@ -141,6 +150,7 @@ typedef struct rheo_link {
     char stage[48];
     char field[32];
     uint64_t id;
+    /** As in rheo_change. */
     uint32_t components;
     double before[3], after[3];
     rheo_not_finite not_finite;
@@ -181,10 +191,12 @@ typedef struct rheo_chain {
  * Follows causes backwards. A link is the stage run that changed the field most, and the largest contribution in it. The next
  * link is what this contribution came from: of a velocity that moves the particle, that velocity; of a pair, the position or
  * velocity of that particle of the two which changed more. It is looked for in the runs before, then in up to 16 steps before,
- * where gravity counts only if there is nothing else. NaN and infinity are followed to where they were born.
+ * where gravity counts only if there is nothing else. NaN and infinity are followed to where they were born, also from a stage
+ * that swallows them.
  *
  * depth: the most links, from 1. Others are as for rheo_player_why(). The player keeps states on the way back, so a
- * link costs at most the steps of a keyframe interval, and those that are looked at. RHEO_ERROR_STOPPED: the receiver did not want more.
+ * link costs at most the steps of a keyframe interval, and those that are looked at. RHEO_ERROR_STOPPED: the
+ * receiver wanted no more.
  */
 RHEO_API rheo_result rheo_player_why_chain(rheo_player *player, uint64_t step, const char *stage, uint64_t id,
                                            const char *field, uint32_t depth, rheo_link_receiver *receiver,
@@ -197,7 +209,10 @@ typedef struct rheo_pair_step {
     uint64_t step;
     /** Both particles exist. */
     bool exists;
-    /** At the end of the step, and the least of the stages that decide. Unit L. In periodic space to the nearest image. */
+    /**
+     * At the end of the step, and the least of the stages that decide. Unit L. In periodic space to the nearest image. NaN if
+     * a particle does not exist, or if nothing decided.
+     */
     double distance, nearest;
     /** That stage; "" if nothing decided in this step. */
     char stage[48];
@@ -231,7 +246,8 @@ typedef struct rheo_why_not {
  * Tells why two particles have no spring in a step (`spring`), or did not come closer than the support. Looks at the steps from
  * the keyframe before the step to the one after it, after each stage that makes springs, or else after each stage.
  *
- * RHEO_ERROR_ARGUMENT: no such step, no such particles in it, one particle, or no springs in the recording.
+ * RHEO_ERROR_ARGUMENT: no such step, no such particles in it, the same particle twice, or no springs in the recording.
+ * RHEO_ERROR_STOPPED: the receiver wanted no more.
  */
 RHEO_API rheo_result rheo_player_why_not(rheo_player *player, uint64_t step, uint64_t a, uint64_t b, bool spring,
                                          rheo_pair_receiver *receiver, void *data, rheo_why_not *answer,

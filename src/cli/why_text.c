@@ -11,12 +11,12 @@ const char *cli_why_source(const rheo_contribution *c, uint64_t id, char text[CL
 {
     const char *name = rheo_source_name(c->source), *item = rheo_source_item(c->source);
     const unsigned long long it = c->item, low = it < id ? it : id, high = it < id ? id : it;
-    if (c->source == RHEO_SOURCE_SPRING)
+    if (strcmp(item, "particle") == 0 && it == id)
+        snprintf(text, CLI_WHY_TEXT, "its own %s", name);
+    else if (c->source == RHEO_SOURCE_SPRING)
         snprintf(text, CLI_WHY_TEXT, "spring %llu:%llu", low, high);
     else if (c->source == RHEO_SOURCE_PLATE)
         snprintf(text, CLI_WHY_TEXT, "%s plate", it ? "upper" : "lower");
-    else if (strcmp(item, "particle") == 0 && it == id)
-        snprintf(text, CLI_WHY_TEXT, "its own %s", name);
     else if (strcmp(item, "particle") == 0)
         snprintf(text, CLI_WHY_TEXT, "%s %s %llu", name,
                  c->source == RHEO_SOURCE_PARTING ? "from"

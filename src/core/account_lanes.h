@@ -40,13 +40,18 @@ static inline void rheo__account_add_lanes(const rheo__state *s, uint32_t entry,
 {
     rheo__account_add(s, entry, source, item, RHEO__LANE(v.x, 0), RHEO__LANE(v.y, 0), RHEO__LANE(v.z, 0));
 }
-/* The entry of a row adds by x d to a sum. Idle entries, which add 0, have no line. */
+/*
+ * The entry of a row adds by x d to a sum. An idle entry adds 0, which has no line, or NaN if the squared distance of the
+ * row from RHEO__NOWHERE overflows. It has no partner, so that is told of the particle itself.
+ */
 static inline void rheo__keep_pair(const rheo__keeper *keeper, uint32_t sum, rheo_source source, size_t entry,
                                    rheo__lanes by, rheo__lanes3 d)
 {
-    if (!rheo__keeps(keeper) || rheo__pairs_place(keeper->pairs, entry) == rheo__pairs_idle(keeper->pairs))
+    if (!rheo__keeps(keeper))
         return;
-    rheo__account_add(keeper->state, sum, source, keeper->pairs->id_of[rheo__pairs_partner(keeper->pairs, entry)],
+    const uint32_t partner = rheo__pairs_partner(keeper->pairs, entry);
+    rheo__account_add(keeper->state, sum, source,
+                      partner < keeper->pairs->rows ? keeper->pairs->id_of[partner] : keeper->state->account->id,
                       RHEO__LANE(by, 0) * RHEO__LANE(d.x, 0), RHEO__LANE(by, 0) * RHEO__LANE(d.y, 0),
                       RHEO__LANE(by, 0) * RHEO__LANE(d.z, 0));
 }
