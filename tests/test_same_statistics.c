@@ -344,6 +344,9 @@ static void an_interruption_leaves_the_file_as_it_was(void **state)
     uint8_t *before = read_file(PATH, &size);
     const rheo_progress old = rheo_use_progress((rheo_progress){stop_at_3, NULL});
     assert_int_equal(rheo_same_keep_members(PATH, MEMBERS, 7, &why), RHEO_ERROR_STOPPED);
+    char stopped[64]; /* members are not steps */
+    snprintf(stopped, sizeof stopped, "stopped while running members: 3 of %d done", MEMBERS);
+    assert_non_null(strstr(why.message, stopped));
     rheo_use_progress(old);
     uint8_t *now = read_file(PATH, &after);
     assert_int_equal(size, after);

@@ -5,7 +5,6 @@
 #include "core/progress.h"
 
 #include "core/strict.h"
-#include "core/text.h"
 
 static _Thread_local rheo_progress receiver;
 
@@ -20,6 +19,6 @@ rheo_result rheo__progress(const char *task, uint64_t done, uint64_t total, rheo
 {
     if (!receiver.report || receiver.report(task, done, total, receiver.user))
         return RHEO_OK;
-    return rheo__fail(error, RHEO_ERROR_STOPPED, "stopped while %s, after %llu of %llu step%s", task,
-                      (unsigned long long)done, (unsigned long long)total, rheo__plural(total));
+    return rheo__fail(error, RHEO_ERROR_STOPPED, "stopped while %s: %llu of %llu done", task,
+                      (unsigned long long)done, (unsigned long long)total);
 }

@@ -1,7 +1,7 @@
 /* MEMB, the members in a golden recording (docs/format.md), and how they get there. */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <errno.h>
 
 #include "core/text.h"
 #include "record/members.h"
