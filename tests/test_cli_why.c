@@ -119,6 +119,21 @@ static void not_a_number_is_followed_to_its_birth(void **state)
     assert_in("\"end\": \"born\", ", out);
 }
 
+/* The step fails, but a plate has put its particle back in place before. */
+static void what_a_plate_swallows_is_followed_to_its_birth(void **state)
+{
+    (void)state;
+    if (sizeof(rheo_real) != sizeof(float))
+        skip(); /* a double holds such positions */
+    assert_code(0, run("run plates --set resolution=0.5 --steps 1 -o plates.rlog --force --quiet"));
+    assert_code(1, run("run --from plates.rlog --steps 1 --set gravity=[0,-1e30,0] --set step=1e5 --set substeps=1 "
+                       "-o bad.rlog --force --quiet"));
+    assert_code(0, run("why bad.rlog --step 2 --particle 0 --stage plates"));
+    assert_in(", plates@1: position of particle 0 finite again, swallowed, with lower plate\n", out);
+    assert_in(", prediction@1: position of particle 0 not finite, born, with velocity: ", out);
+    assert_in("\n  ends: born here: the values that prediction@1 ", out);
+}
+
 static void bad_usage_is_refused(void **state)
 {
     (void)state;
@@ -311,6 +326,7 @@ int main(void)
         cmocka_unit_test(the_contributions_give_the_change),
         cmocka_unit_test(a_chain_says_why_it_ends),
         cmocka_unit_test(not_a_number_is_followed_to_its_birth),
+        cmocka_unit_test(what_a_plate_swallows_is_followed_to_its_birth),
         cmocka_unit_test(bad_usage_is_refused),
         cmocka_unit_test(a_step_that_does_not_repeat_is_named),
         cmocka_unit_test(why_not_tells_distances),

@@ -19,7 +19,8 @@ static bool print_change(void *data, const rheo_change *change)
         printf("step %llu, %s of particle %llu (unit %s):\n", (unsigned long long)r->step, r->field,
                (unsigned long long)r->id, cli_why_unit(p->world, r->field));
     for (uint32_t axis = 0; axis < change->components; axis++)
-        p->not_finite = p->not_finite || change->after[axis] - change->after[axis] != 0;
+        p->not_finite = p->not_finite || change->before[axis] - change->before[axis] != 0 ||
+                        change->after[axis] - change->after[axis] != 0;
     (r->json ? cli_why_change_json : cli_why_change_text)(r, change);
     return !ferror(stdout) && !cli_interrupted();
 }

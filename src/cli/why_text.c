@@ -180,11 +180,16 @@ const char *cli_why_link_text(const rheo_link *link, char text[CLI_WHY_TEXT])
     number_text(size_of(total, link->components), 3, size);
     number_text(size_of(link->largest.change, link->components), 3, part);
     cli_why_source(&link->largest, link->id, source);
-    snprintf(text, CLI_WHY_TEXT, "step %llu, %s: %s of particle %llu %s%s, %s %.60s: %s",
-             (unsigned long long)link->step, link->stage, link->field, (unsigned long long)link->id,
-             link->not_finite ? "not finite, " : "changed by ",
-             link->not_finite ? rheo_not_finite_name(link->not_finite) : size, link->not_finite ? "with" : "most by",
-             source, part);
+    const int end = snprintf(text, CLI_WHY_TEXT, "step %llu, %s: %s of particle %llu ",
+                             (unsigned long long)link->step, link->stage, link->field, (unsigned long long)link->id);
+    const size_t left = CLI_WHY_TEXT - (size_t)end;
+    if (link->not_finite == RHEO_NOT_FINITE_SWALLOWED)
+        snprintf(text + end, left, "finite again, swallowed, with %.60s", source);
+    else if (link->not_finite)
+        snprintf(text + end, left, "not finite, %s, with %.60s: %s", rheo_not_finite_name(link->not_finite), source,
+                 part);
+    else
+        snprintf(text + end, left, "changed by %s, most by %.60s: %s", size, source, part);
     return text;
 }
 
