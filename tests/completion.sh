@@ -40,6 +40,7 @@ commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9_]*\),.*/\1/p' "$source/src/cli/comma
 expect "$(printf '%s\nhelp\n' "$commands" | sort)" ""
 expect "$(printf '%s\nhelp\n' "$commands" | sort)" help ""
 expect "metrics" met
+expect "--json" --version --
 for command in $commands; do
     expect "$(options_of "$command")" "$command" -
 done

@@ -121,18 +121,54 @@ fi
 
 # ---- CMake ----
 
+# The packages are found where they are, which is not the prefix of the build. A program in C, and one in C++
+# if there is a compiler, use each number type.
 if command -v cmake >/dev/null; then
     mkdir "$tmp/cmake"
+    sources="program.c cpp.cc" languages="C CXX"
+    if ! command -v c++ && ! command -v clang++; then
+        sources=program.c languages=C
+    fi >/dev/null
+    # cmake_finds LINES...: configures a project with these lines
+    cmake_finds() {
+        rm -rf "$tmp/cmake/build"
+        { printf 'cmake_minimum_required(VERSION 3.18)\nproject(program %s)\n' "$languages" && printf '%s\n' "$@"; } >"$tmp/cmake/CMakeLists.txt"
+        cmake -G Ninja -S "$tmp/cmake" -B "$tmp/cmake/build" -DCMAKE_PREFIX_PATH="$root" >"$tmp/said" 2>&1
+    }
     cp "$source/tests/installed_program.c" "$tmp/cmake/program.c"
-    # The lines are those of docs/install.md.
-    sed -n '/^```cmake$/,/^```$/p' "$source/docs/install.md" | grep -v '^```' >"$tmp/cmake/lines"
-    { printf 'cmake_minimum_required(VERSION 3.18)\nproject(program C)\n' && cat "$tmp/cmake/lines"; } >"$tmp/cmake/CMakeLists.txt"
-    printf '#!/bin/sh\nexec pkg-config --define-variable=prefix="%s" "$@"\n' "$root" >"$tmp/pkg-config"
-    chmod +x "$tmp/pkg-config"
-    { cmake -G Ninja -S "$tmp/cmake" -B "$tmp/cmake/build" -DPKG_CONFIG_EXECUTABLE="$tmp/pkg-config" && cmake --build "$tmp/cmake/build"; } \
-        >"$tmp/said" 2>&1 || fail "CMake does not build a program with rheolog"
+    cp "$source/tests/installed_program.c" "$tmp/cmake/cpp.cc"
+    # These lines are those of docs/install.md.
+    lines=$(sed -n '/^```cmake$/,/^```$/p' "$source/docs/install.md" | grep -v '^```')
+    cmake_finds "$lines" 'find_package(rheolog-double REQUIRED)' "foreach(name $sources)" \
+        'add_executable(${name}-float ${name})' 'target_link_libraries(${name}-float PRIVATE rheolog::rheolog)' \
+        'add_executable(${name}-double ${name})' 'target_link_libraries(${name}-double PRIVATE rheolog::rheolog-double)' 'endforeach()' &&
+        cmake --build "$tmp/cmake/build" >"$tmp/said" 2>&1 || fail "CMake does not build a program with rheolog"
+    "$tmp/cmake/build/program" | cmp - "$tmp/float.out" || fail "the program of docs/install.md has other results"
+    for name in $sources; do
+        for type in float double; do
+            "$tmp/cmake/build/$name-$type" | cmp - "$tmp/$type.out" || fail "$name for $type has other results with CMake"
+        done
+    done
+    if [ "$json" = enabled ]; then
+        cp "$source/tests/example_scene.c" "$tmp/cmake/scene.c"
+        cmake_finds 'find_package(rheolog 0 REQUIRED COMPONENTS scene-json)' 'add_executable(scene scene.c)' \
+            'target_link_libraries(scene PRIVATE rheolog::rheolog-scene-json)' && cmake --build "$tmp/cmake/build" >"$tmp/said" 2>&1 ||
+            fail "CMake does not build a program that reads scene files"
+        "$tmp/cmake/build/scene" "$tmp/scene.json" 5 >"$tmp/scene.out"
+        LD_LIBRARY_PATH=$libraries "$tmp/scene-float" "$tmp/scene.json" 5 | cmp - "$tmp/scene.out" ||
+            fail "the program of CMake reads another scene"
+    elif cmake_finds 'find_package(rheolog REQUIRED COMPONENTS scene-json)' || ! grep -q 'has no component scene-json' "$tmp/said"; then
+        fail "CMake finds scene files in a build without them"
+    fi
+    for wanted in 0.0 0.2 1 "0.1.0 EXACT"; do
+        met=0
+        cmake_finds "find_package(rheolog $wanted REQUIRED)" || met=$?
+        case $wanted in
+        *EXACT) [ $met = 0 ] || fail "CMake does not find version $wanted" ;;
+        *) [ $met != 0 ] && grep -q 'version: 0\.1\.0' "$tmp/said" || fail "CMake takes version 0.1.0 for version $wanted" ;;
+        esac
+    done
     rm "$tmp/said"
-    LD_LIBRARY_PATH=$libraries "$tmp/cmake/build/program" | cmp - "$tmp/float.out" || fail "the program of CMake has other results"
 fi
 
 # ---- Both in one process ----

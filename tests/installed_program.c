@@ -10,6 +10,9 @@
 #define ENTRY main
 #endif
 
+#ifdef __cplusplus
+extern "C"
+#endif
 int ENTRY(void);
 
 int ENTRY(void)

@@ -2,6 +2,7 @@
 #include "cli_support.h"
 
 #include <unistd.h>
+#include <zlib.h>
 
 /* ---- Usage ---- */
 
@@ -39,6 +40,37 @@ static void every_command_has_help(void **state)
     assert_in("rheolog scenes --parameters", out);
     assert_code(0, run("--version"));
     assert_in("rheolog 0.", out);
+}
+
+/* Both forms say the same, and JSON also the flags without which bits differ. No path of the build is in it. */
+static void the_version_has_two_forms(void **state)
+{
+    (void)state;
+    char text[sizeof out], line[256];
+    assert_code(0, run("--version"));
+    memcpy(text, out, sizeof text);
+    assert_code(0, run("--version --json"));
+    assert_string_equal(err, "");
+    static const char *const keys[] = {"version",     "build", "compiler", "flags",  "real",    "machine", "simd",
+                                       "simd_in_use", "zlib",  "jansson",  "libpng", "libedit", NULL};
+    assert_keys(out, keys);
+    snprintf(line, sizeof line, "rheolog %.*s\n", (int)strlen(value_of("version")) - 2, value_of("version") + 1);
+    assert_in(line, text);
+    snprintf(line, sizeof line, ", %.*s, ", (int)strlen(value_of("compiler")) - 2, value_of("compiler") + 1);
+    assert_in(line, text);
+    snprintf(line, sizeof line, ", %.*s, %.*s\n", (int)strlen(value_of("real")) - 2, value_of("real") + 1,
+             (int)strlen(value_of("machine")) - 2, value_of("machine") + 1);
+    assert_in(line, text);
+    snprintf(line, sizeof line, "(in use: %.*s)", (int)strlen(value_of("simd_in_use")) - 2,
+             value_of("simd_in_use") + 1);
+    assert_in(line, text);
+    assert_string_equal(value_of("zlib"), "\"" ZLIB_VERSION "\"");
+    assert_in("-ffp-contract=off", out);
+    assert_null(strstr(out, "prefix-map"));
+    assert_code(2, run("--version --jsn"));
+    assert_one_message("--version takes no argument but --json; got \"--jsn\"");
+    assert_code(2, run("--version --json x"));
+    assert_one_message("got \"x\"");
 }
 
 static void bad_usage_is_reported(void **state)
@@ -267,11 +299,9 @@ static void lost_output_is_a_failure(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_command_has_help),
-        cmocka_unit_test(bad_usage_is_reported),
-        cmocka_unit_test(a_file_that_is_no_recording_is_reported),
-        cmocka_unit_test(scenes_are_listed),
-        cmocka_unit_test(lost_output_is_a_failure),
+        cmocka_unit_test(every_command_has_help), cmocka_unit_test(the_version_has_two_forms),
+        cmocka_unit_test(bad_usage_is_reported),  cmocka_unit_test(a_file_that_is_no_recording_is_reported),
+        cmocka_unit_test(scenes_are_listed),      cmocka_unit_test(lost_output_is_a_failure),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

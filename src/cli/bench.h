@@ -150,10 +150,8 @@ uint32_t cli_bench_all_stages(const cli_bench_cases *cases, char stage[CLI_BENCH
 int cli_bench_pin(void);
 /* Processor time of the process, s: other processes on the machine change it less than the time on a clock. */
 double cli_bench_processor_time(void);
-/* Name of the processor, and name and version of the compiler from rheo_build(). */
+/* Name of the processor. */
 const char *cli_bench_machine(void);
-const char *cli_bench_compiler(void);
-const char *cli_bench_real(void);
 /* Resets the peak memory of the process. Returns its current memory, bytes. */
 size_t cli_bench_reset_peak_memory(void);
 /* Peak memory of the process since the reset, bytes; 0: unknown. */

@@ -63,22 +63,6 @@ const char *cli_bench_machine(void)
     return name;
 }
 
-const char *cli_bench_compiler(void)
-{
-    static char name[96];
-    const char *build = strchr(rheo_build(), ',') + 2;
-    size_t length = strcspn(build, ",");
-    while (length > 0 && build[length - 1] == ' ') /* clang ends its version with blanks */
-        length--;
-    snprintf(name, sizeof name, "%.*s", (int)length, build);
-    return name;
-}
-
-const char *cli_bench_real(void)
-{
-    return sizeof(rheo_real) == 8 ? "double" : "float";
-}
-
 /* ---- Memory of the process ---- */
 
 #ifdef __linux__

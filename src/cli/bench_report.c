@@ -117,8 +117,8 @@ void cli_bench_cell_stages(cli_bench_table *table, const cli_bench_cases *cases,
 void cli_bench_cell_build(cli_bench_table *table)
 {
     cli_bench_cell_text(table, "machine", cli_bench_machine());
-    cli_bench_cell_text(table, "compiler", cli_bench_compiler());
-    cli_bench_cell_text(table, "real", cli_bench_real());
+    cli_bench_cell_text(table, "compiler", cli_compiler());
+    cli_bench_cell_text(table, "real", cli_real());
     cli_bench_cell_text(table, "simd", rheo_simd());
 }
 
@@ -174,9 +174,8 @@ const char cli_bench_per_step[] = ", medians; ns per particle and step";
 
 void cli_bench_print_head(const cli_bench_arguments *a, const char *rest)
 {
-    printf("%s, %s, %s, simd %s; %u repetition%s of %llu steps%s\n\n", cli_bench_machine(), cli_bench_compiler(),
-           cli_bench_real(), rheo_simd(), a->repetitions, cli_plural(a->repetitions), (unsigned long long)a->steps,
-           rest);
+    printf("%s, %s, %s, simd %s; %u repetition%s of %llu steps%s\n\n", cli_bench_machine(), cli_compiler(),
+           cli_real(), rheo_simd(), a->repetitions, cli_plural(a->repetitions), (unsigned long long)a->steps, rest);
 }
 
 void cli_bench_print_spread(const cli_bench_case *c, double scale)

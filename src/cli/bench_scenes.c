@@ -45,8 +45,8 @@ bool cli_bench_next_scene(const cli_bench_arguments *a, uint32_t index, char nam
 
 static void print_scenes(const cli_bench_cases *cases, const cli_bench_arguments *a)
 {
-    printf("%s, %s, %s, simd %s; %u repetition%s%s\n", cli_bench_machine(), cli_bench_compiler(), cli_bench_real(),
-           rheo_simd(), a->repetitions, cli_plural(a->repetitions), cli_bench_per_step);
+    printf("%s, %s, %s, simd %s; %u repetition%s%s\n", cli_bench_machine(), cli_compiler(), cli_real(), rheo_simd(),
+           a->repetitions, cli_plural(a->repetitions), cli_bench_per_step);
     for (uint32_t i = 0; i < cases->count; i++) {
         const cli_bench_case *c = &cases->item[i];
         printf("\n%s%s%s, %u particles, steps 0 to %llu, %.1f neighbours, %.2f substeps per step\n", c->name,

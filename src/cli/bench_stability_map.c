@@ -58,7 +58,7 @@ static void print_cell(const cli_stability_cell *c)
 void cli_stability_print(const cli_stability_map *map)
 {
     printf("a ball falls into a pool of %u particles: k_min = %g, %g units of time; %s, simd %s\n", map->particles,
-           map->stiffness, map->time, cli_bench_real(), rheo_simd());
+           map->stiffness, map->time, cli_real(), rheo_simd());
     for (uint32_t s = 0; s < map->solvers; s++) {
         char settings[96];
         cli_stability_settings(map->solver[s], settings, sizeof settings);

@@ -76,6 +76,12 @@ typedef struct cli_command {
 #include "cli/commands.def"
 #undef CLI_COMMAND
 
+/* The compiler of this build, as "gcc 12.2.0", and its number type, "float" or "double". */
+const char *cli_compiler(void);
+const char *cli_real(void);
+/* `rheolog --version`, with the arguments behind it. Returns an exit code. */
+int cli_version(int argc, char **argv);
+
 /* Result of cli_parse() when the command is to run. */
 enum { CLI_GO_ON = -1 };
 

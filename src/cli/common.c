@@ -387,3 +387,19 @@ const char *cli_plural(uint64_t count)
 {
     return count == 1 ? "" : "s";
 }
+
+const char *cli_compiler(void)
+{
+    static char name[96];
+    const char *build = strchr(rheo_build(), ',') + 2;
+    size_t length = strcspn(build, ",");
+    while (length > 0 && build[length - 1] == ' ') /* clang ends its version with blanks */
+        length--;
+    snprintf(name, sizeof name, "%.*s", (int)length, build);
+    return name;
+}
+
+const char *cli_real(void)
+{
+    return sizeof(rheo_real) == 8 ? "double" : "float";
+}

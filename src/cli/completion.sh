@@ -60,6 +60,7 @@ cat <<END
     '' | help)
         words='${commands}help'
         [[ \$command ]] || options='-h --help --version'
+        [[ \$before != --version ]] || words=--json options=--json
         ;;
     esac
     # Words are split at =, so KEY=VALUE is three of them.

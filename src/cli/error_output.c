@@ -141,7 +141,7 @@ void cli_error_print(const cli_error_study *study, const cli_error_points *point
 {
     group g = {malloc((points->count + 1) * sizeof *g.point), 0};
     printf("%s (%s): %s\n%s, %s, %s, simd %s\n", study->name, model_of(study), study->title, cli_bench_machine(),
-           cli_bench_compiler(), cli_bench_real(), rheo_simd());
+           cli_compiler(), cli_real(), rheo_simd());
     for (size_t i = 0; g.point && i < points->count; i++) {
         if (is_repeated(points, i))
             continue;

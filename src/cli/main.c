@@ -52,13 +52,8 @@ static int dispatch(int argc, char **argv)
         return CLI_BAD;
     }
     const char *name = argv[1];
-    if (strcmp(name, "--version") == 0) {
-        printf("rheolog %s\n%s\nsimd:", rheo_version(), rheo_build());
-        for (uint32_t i = 0; rheo_simd_available(i); i++)
-            printf(" %s", rheo_simd_available(i));
-        printf(" (in use: %s)\n", rheo_simd());
-        return CLI_DONE;
-    }
+    if (strcmp(name, "--version") == 0)
+        return cli_version(argc - 2, argv + 2);
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || (strcmp(name, "help") == 0 && argc == 2)) {
         print_help(stdout);
         return CLI_DONE;
