@@ -13,7 +13,8 @@
 #ifdef __cplusplus
 extern "C"
 #endif
-int ENTRY(void);
+    int
+    ENTRY(void);
 
 int ENTRY(void)
 {
