@@ -2,7 +2,7 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "build_flags.h"
+#include "cli/build_flags.h"
 #include "cli/cli.h"
 
 static void print_json(void)
