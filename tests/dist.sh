@@ -11,8 +11,9 @@ fail() {
     [ ! -e "$tmp/said" ] || tail -n 30 "$tmp/said"
     exit 1
 }
-[ -e "$source/.git" ] && command -v git >/dev/null || { echo "dist: not a git checkout; skipped"; exit 77; }
 unset DESTDIR GIT_DIR GIT_WORK_TREE
+# Git also refuses a checkout of another user.
+[ -e "$source/.git" ] && git -C "$source" rev-parse -q --verify HEAD >/dev/null 2>&1 || { echo "dist: not a git checkout; skipped"; exit 77; }
 compiler=$*
 archive() { # archive NAME UMASK: makes $tmp/NAME.tar.xz
     (
