@@ -268,35 +268,19 @@ static void put_measures(const cli_predictor_results *r, bool json)
     }
 }
 
-enum { PATH = 4096 + 32 };
-
-static int path_of(const char *folder, const char *name, char path[PATH])
-{
-    const int length = snprintf(path, PATH, "%s/%s", folder, name);
-    return length < PATH ? CLI_DONE : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
-}
-
 int cli_predictor_check_files(const char *folder)
 {
-    static const char *const NAMES[] = {"predictor.csv", "predictor.svg"};
-    int status = CLI_DONE;
-    for (size_t i = 0; i < 2 && status == CLI_DONE; i++) {
-        char path[PATH];
-        if ((status = path_of(folder, NAMES[i], path)) == CLI_DONE &&
-            (status = cli_refuse_existing(path, true)) == CLI_DONE)
-            status = cli_check_folder(path);
-    }
-    return status;
+    return cli_check_results(folder, "predictor", true);
 }
 
 static int write_files(const cli_predictor_results *r, const char *folder)
 {
-    char path[PATH];
-    int status = path_of(folder, "predictor.csv", path);
+    char path[CLI_FILE_PATH];
+    int status = cli_results_path(folder, "predictor", ".csv", path);
     if (status == CLI_DONE)
         status = cli_write_file(path, put_scenes, r);
     if (status == CLI_DONE)
-        status = path_of(folder, "predictor.svg", path);
+        status = cli_results_path(folder, "predictor", ".svg", path);
     return status == CLI_DONE ? cli_predictor_plot(r, path) : status;
 }
 

@@ -81,25 +81,11 @@ void cli_stability_print(const cli_stability_map *map)
 
 /* ---- Files ---- */
 
-enum { PATH = 4096 + 32, KINDS = 3 };
-
-static int path_of(const char *folder, const char *name, char path[PATH])
-{
-    const int length = snprintf(path, PATH, "%s/%s", folder, name);
-    return length < PATH ? CLI_DONE : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
-}
+enum { KINDS = 3 };
 
 int cli_stability_check_files(const char *folder)
 {
-    static const char *const NAMES[] = {"stability.csv", "stability.svg"};
-    int status = CLI_DONE;
-    for (size_t i = 0; i < 2 && status == CLI_DONE; i++) {
-        char path[PATH];
-        if ((status = path_of(folder, NAMES[i], path)) == CLI_DONE &&
-            (status = cli_refuse_existing(path, true)) == CLI_DONE)
-            status = cli_check_folder(path);
-    }
-    return status;
+    return cli_check_results(folder, "stability", true);
 }
 
 static void put_rows(FILE *file, const void *data)
@@ -177,11 +163,11 @@ static int write_plot(const cli_stability_map *map, const char *path)
 
 int cli_stability_write(const cli_stability_map *map, const char *folder)
 {
-    char path[PATH];
-    int status = path_of(folder, "stability.csv", path);
+    char path[CLI_FILE_PATH];
+    int status = cli_results_path(folder, "stability", ".csv", path);
     if (status == CLI_DONE)
         status = cli_write_file(path, put_rows, map);
-    if (status == CLI_DONE && (status = path_of(folder, "stability.svg", path)) == CLI_DONE)
+    if (status == CLI_DONE && (status = cli_results_path(folder, "stability", ".svg", path)) == CLI_DONE)
         status = write_plot(map, path);
     return status;
 }

@@ -6,12 +6,16 @@
 
 #include "cli/steps.h"
 
-static int path_of(const cli_experiment *e, bool small, const char *folder, const char *ending, char *path,
-                   size_t size)
+static void name_of(const cli_experiment *e, bool small, char name[CLI_FILE_NAME])
 {
-    const int length = snprintf(path, size, "%s/%s%s%s", folder, e->name, small ? "-small" : "", ending);
-    return length < (int)size ? CLI_DONE
-                              : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
+    snprintf(name, CLI_FILE_NAME, "%s%s", e->name, small ? "-small" : "");
+}
+
+static int path_of(const cli_result *r, const char *folder, const char *ending, char path[CLI_FILE_PATH])
+{
+    char name[CLI_FILE_NAME];
+    name_of(r->experiment, r->small, name);
+    return cli_results_path(folder, name, ending, path);
 }
 
 static void write_rows(FILE *file, const void *data)
@@ -40,8 +44,8 @@ static void write_rows(FILE *file, const void *data)
 
 static int write_csv(const cli_result *r, const char *folder)
 {
-    char path[1024];
-    const int status = path_of(r->experiment, r->small, folder, ".csv", path, sizeof path);
+    char path[CLI_FILE_PATH];
+    const int status = path_of(r, folder, ".csv", path);
     return status == CLI_DONE ? cli_write_file(path, write_rows, r) : status;
 }
 
@@ -91,8 +95,8 @@ static rheo_plot_curve *curves_of_figure(const cli_result *r, uint32_t figure, d
 static int write_plot(const cli_result *r, const char *folder)
 {
     const cli_experiment *e = r->experiment;
-    char path[1024], title[160], x_label[64], label[CLI_MOST_COLUMNS][64];
-    int status = path_of(r->experiment, r->small, folder, ".svg", path, sizeof path);
+    char path[CLI_FILE_PATH], title[160], x_label[64], label[CLI_MOST_COLUMNS][64];
+    int status = path_of(r, folder, ".svg", path);
     if (status != CLI_DONE)
         return status;
     snprintf(title, sizeof title, "%s (%s)", e->name, e->reference);
@@ -131,15 +135,9 @@ static int write_plot(const cli_result *r, const char *folder)
 
 int cli_experiment_check_files(const cli_experiment *e, bool small, const char *folder)
 {
-    static const char *const ENDINGS[] = {".csv", ".svg"};
-    int status = CLI_DONE;
-    for (size_t i = 0; i < 1 + (e->panels > 0) && status == CLI_DONE; i++) {
-        char path[1024];
-        if ((status = path_of(e, small, folder, ENDINGS[i], path, sizeof path)) == CLI_DONE &&
-            (status = cli_refuse_existing(path, true)) == CLI_DONE)
-            status = cli_check_folder(path);
-    }
-    return status;
+    char name[CLI_FILE_NAME];
+    name_of(e, small, name);
+    return cli_check_results(folder, name, e->panels > 0);
 }
 
 int cli_experiment_write(const cli_result *result, const char *folder)

@@ -8,28 +8,25 @@
 
 enum { MOST_CURVES = 32 };
 
-/* FOLDER/PROTOCOL.csv of the block; others are named after their instrument, too. */
-enum { PATH = 4096 + 64 };
+/* PROTOCOL of the block; others are named after their instrument, too. */
+static void name_of(const cli_measurement *m, const char *protocol, char name[CLI_FILE_NAME])
+{
+    snprintf(name, CLI_FILE_NAME, "%s%s%s", m->prefix, protocol, m->small ? "-small" : "");
+}
 
 static int path_of(const cli_measurement *m, const char *protocol, const char *folder, const char *ending,
-                   char path[PATH])
+                   char path[CLI_FILE_PATH])
 {
-    const int length =
-        snprintf(path, PATH, "%s/%s%s%s%s", folder, m->prefix, protocol, m->small ? "-small" : "", ending);
-    return length < PATH ? CLI_DONE : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
+    char name[CLI_FILE_NAME];
+    name_of(m, protocol, name);
+    return cli_results_path(folder, name, ending, path);
 }
 
 int cli_rheometer_check_files(const cli_measurement *m, const char *protocol, const char *folder)
 {
-    static const char *const ENDINGS[] = {".csv", ".svg"};
-    int status = CLI_DONE;
-    for (size_t i = 0; i < 2 && status == CLI_DONE; i++) {
-        char path[PATH];
-        if ((status = path_of(m, protocol, folder, ENDINGS[i], path)) == CLI_DONE &&
-            (status = cli_refuse_existing(path, true)) == CLI_DONE)
-            status = cli_check_folder(path);
-    }
-    return status;
+    char name[CLI_FILE_NAME];
+    name_of(m, protocol, name);
+    return cli_check_results(folder, name, true);
 }
 
 static void put_rows(FILE *file, const void *data)
@@ -115,7 +112,7 @@ static bool draw(const cli_protocol_table *t, const struct cli_table_panel *of, 
 
 static int write_plot(const cli_measurement *r, const cli_protocol_table *t, const char *folder)
 {
-    char path[PATH], title[160];
+    char path[CLI_FILE_PATH], title[160];
     int status = path_of(r, t->name, folder, ".svg", path);
     if (status != CLI_DONE)
         return status;
@@ -139,7 +136,7 @@ int cli_rheometer_write(const cli_measurement *r, const char *folder)
 {
     int status = CLI_DONE;
     for (uint32_t i = 0; i < r->tables && status == CLI_DONE; i++) {
-        char path[PATH];
+        char path[CLI_FILE_PATH];
         const cli_protocol_table *t = &r->table[i];
         status = path_of(r, t->name, folder, ".csv", path);
         if (status == CLI_DONE)

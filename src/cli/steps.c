@@ -140,6 +140,26 @@ int cli_refuse_existing(const char *path, bool force)
     return CLI_DONE;
 }
 
+int cli_results_path(const char *folder, const char *name, const char *ending, char path[CLI_FILE_PATH])
+{
+    const int length = snprintf(path, CLI_FILE_PATH, "%s/%s%s", folder, name, ending);
+    return length < CLI_FILE_PATH ? CLI_DONE
+                                  : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
+}
+
+int cli_check_results(const char *folder, const char *name, bool plot)
+{
+    static const char *const ENDINGS[] = {".csv", ".svg"};
+    int status = CLI_DONE;
+    for (size_t i = 0; i < 1 + (size_t)plot && status == CLI_DONE; i++) {
+        char path[CLI_FILE_PATH];
+        if ((status = cli_results_path(folder, name, ENDINGS[i], path)) == CLI_DONE &&
+            (status = cli_refuse_existing(path, true)) == CLI_DONE)
+            status = cli_check_folder(path);
+    }
+    return status;
+}
+
 /* ---- Steps ---- */
 
 static int seek(const char *path, const cli_steps *steps, rheo_player *player, uint64_t index)

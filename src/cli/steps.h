@@ -34,6 +34,11 @@ int cli_make_folder(const char *folder);
 /* Refuses an existing file, before any step is simulated. */
 int cli_refuse_existing(const char *path, bool force);
 
+/* Results are NAME.csv, and NAME.svg for a plot of them, in the folder of -o. The path of one of them; CLI_BAD if it is too long. */
+int cli_results_path(const char *folder, const char *name, const char *ending, char path[CLI_FILE_PATH]);
+/* Whether they can be written, which is asked before they are computed. Those that exist are replaced. */
+int cli_check_results(const char *folder, const char *name, bool plot);
+
 /* Computes one extent for all pictures: it contains those of the first and the last step. */
 int cli_find_extent(const char *path, const cli_steps *steps, rheo_player *player, rheo_extent *extent);
 
