@@ -77,13 +77,13 @@ table >table
 case $mode in
 '') cat table ;;
 --write)
-    awk '/^\| question \| steps simulated/ { while ((getline row <"'"$tmp"'/table") > 0) print row; on = 1 }
+    awk '/^\| question \| steps simulated \|/ { while ((getline row <"'"$tmp"'/table") > 0) print row; on = 1 }
         !/^\|/ { on = 0 } !on' "$page" >page
     cat page >"$page"
     ;;
 --check)
     sed 's/|[^|]*|$/|/' table >made
-    sed -n '/^| question | steps simulated/,/^$/p' "$page" | grep '^|' | sed 's/|[^|]*|$/|/' >there
+    sed -n '/^| question | steps simulated |/,/^$/p' "$page" | grep '^|' | sed 's/|[^|]*|$/|/' >there
     diff there made
     ;;
 esac
