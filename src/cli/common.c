@@ -392,10 +392,7 @@ const char *cli_compiler(void)
 {
     static char name[96];
     const char *build = strchr(rheo_build(), ',') + 2;
-    size_t length = strcspn(build, ",");
-    while (length > 0 && build[length - 1] == ' ') /* clang ends its version with blanks */
-        length--;
-    snprintf(name, sizeof name, "%.*s", (int)length, build);
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(build, ","), build);
     return name;
 }
 

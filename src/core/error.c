@@ -61,7 +61,10 @@ const char *rheo_version(void)
 }
 
 #if defined(__clang__)
-#define COMPILER "clang " __clang_version__
+#define TEXT_(number) #number
+#define TEXT(number) TEXT_(number)
+/* __clang_version__ ends with a blank. */
+#define COMPILER "clang " TEXT(__clang_major__) "." TEXT(__clang_minor__) "." TEXT(__clang_patchlevel__)
 #elif defined(__GNUC__)
 #define COMPILER "gcc " __VERSION__
 #else
