@@ -17,7 +17,7 @@ command -v taskset >/dev/null && pin="taskset -c 0"
 variant() {
     name=$1 options=$2 script=$3
     mkdir "$work/$name"
-    cp -r meson.build meson_options.txt include src bench tests "$work/$name"
+    cp -r meson.build meson_options.txt include src bench docs tests ./*.md CITATION.cff LICENSE "$work/$name"
     sed -i "$script" "$work/$name/meson.build"
     if [ "$name" != unchanged ]; then
         printf '%s\n' '#include "core/environment.h"' 'rheo_result rheo__check_environment(rheo_error *error)' \
