@@ -148,8 +148,6 @@ uint32_t cli_bench_all_stages(const cli_bench_cases *cases, char stage[CLI_BENCH
 
 /* Keeps the process, and those that it starts, on its current core. Returns the core; -1: unknown. */
 int cli_bench_pin(void);
-/* Processor time of the process, s: other processes on the machine change it less than the time on a clock. */
-double cli_bench_processor_time(void);
 /* Name of the processor. */
 const char *cli_bench_machine(void);
 /* Resets the peak memory of the process. Returns its current memory, bytes. */

@@ -34,16 +34,6 @@ int cli_bench_pin(void)
     return cpu;
 }
 
-double cli_bench_processor_time(void)
-{
-#ifdef CLOCK_PROCESS_CPUTIME_ID
-    struct timespec time;
-    if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) == 0)
-        return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-#endif
-    return cli_now();
-}
-
 const char *cli_bench_machine(void)
 {
     static char name[96];

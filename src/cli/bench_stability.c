@@ -173,9 +173,9 @@ static rheo_result watch(rheo_world *world, rheo_health *health, const settled *
             c->bad_step = c->sign[0] ? c->steps : 0;
             break;
         }
-        const double start = cli_bench_processor_time();
+        const double start = cli_processor_time();
         const rheo_result result = rheo_world_step(world, error);
-        seconds += cli_bench_processor_time() - start;
+        seconds += cli_processor_time() - start;
         if (result != RHEO_OK && !rheo_world_failure(world, &failure))
             return result;
         if (result != RHEO_OK) {

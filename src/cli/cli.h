@@ -186,6 +186,8 @@ bool cli_has_metric(const rheo_world *world, const char *name);
 
 /* Reads a monotonic clock, in seconds. */
 double cli_now(void);
+/* Processor time of the process, s: other processes on the machine change it less than the time on a clock. */
+double cli_processor_time(void);
 
 /*
  * Progress messages. They replace each other on one line of a terminal; elsewhere, a line is printed every few

@@ -335,6 +335,16 @@ double cli_now(void)
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
+double cli_processor_time(void)
+{
+#ifdef CLOCK_PROCESS_CPUTIME_ID
+    struct timespec time;
+    if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) == 0)
+        return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+#endif
+    return cli_now();
+}
+
 bool cli_progress_due(const cli_progress *p, double time)
 {
     return !p->quiet && time - p->last >= (p->terminal ? .2 : 5);

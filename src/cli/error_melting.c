@@ -37,9 +37,9 @@ int cli_melt_step(cli_melt_run *r, rheo_world *world, uint64_t steps)
     rheo_error error = {""};
     rheo_result result = RHEO_OK;
     for (uint64_t step = 0; step < steps && !r->failed && result == RHEO_OK; step++) {
-        const double start = cli_bench_processor_time();
+        const double start = cli_processor_time();
         result = rheo_world_step(world, &error);
-        r->seconds += cli_bench_processor_time() - start;
+        r->seconds += cli_processor_time() - start;
         r->time += rheo_world_definition(world)->step;
         r->substeps += cli_metric(world, "substeps");
         r->iterations += cli_metric(world, "iterations");

@@ -74,11 +74,11 @@ static rheo_result run_pair(growth *g, rheo_world *a, rheo_world *b, uint64_t st
     g->difference[0] = difference_of(a, b);
     g->seconds = 0;
     for (g->steps = 0; g->steps < steps && result == RHEO_OK;) {
-        const double begin = cli_bench_processor_time();
+        const double begin = cli_processor_time();
         result = rheo_world_step(a, error);
         if (result == RHEO_OK)
             result = rheo_world_step(b, error);
-        g->seconds += cli_bench_processor_time() - begin;
+        g->seconds += cli_processor_time() - begin;
         if (result == RHEO_OK)
             g->difference[++g->steps] = difference_of(a, b);
     }

@@ -121,9 +121,9 @@ rheo_result cli_trial_run(cli_trial *t, uint64_t most, rheo_error *error)
     t->result = RHEO_OK;
     double seconds = 0;
     for (bool more = c->measure(t, world); more && t->steps < most; t->steps++) {
-        const double start = cli_bench_processor_time();
+        const double start = cli_processor_time();
         result = rheo_world_step(world, error);
-        seconds += cli_bench_processor_time() - start;
+        seconds += cli_processor_time() - start;
         if (result != RHEO_OK)
             break;
         t->substeps += fmax(1, cli_bench_substeps(world));

@@ -33,7 +33,7 @@ static double history_part(const rheo_world *world)
 
 static void make_steps(rheo_world *world, uint64_t steps, bool settled, uint64_t particles, cli_probe *p)
 {
-    const double start = cli_now(), processor = cli_bench_processor_time();
+    const double start = cli_now(), processor = cli_processor_time();
     double seconds = 0, substeps = 0;
     while (p->steps < steps && p->steps < MOST_STEPS && (p->steps < FEWEST_STEPS || cli_now() - start < LENGTH)) {
         rheo_error error = {""};
@@ -43,7 +43,7 @@ static void make_steps(rheo_world *world, uint64_t steps, bool settled, uint64_t
         }
         p->steps++;
         substeps += cli_metric(world, "substeps");
-        seconds = cli_bench_processor_time() - processor;
+        seconds = cli_processor_time() - processor;
     }
     if (!p->steps || !p->particles)
         return;

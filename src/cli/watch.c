@@ -157,7 +157,7 @@ void cli_watch_end(void)
 
 cli_cost cli_cost_now(void)
 {
-    return (cli_cost){rheo_work_done(), (double)clock() / CLOCKS_PER_SEC};
+    return (cli_cost){rheo_work_done(), cli_processor_time()};
 }
 
 void cli_say_cost(cli_cost since)
