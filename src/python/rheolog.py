@@ -599,26 +599,26 @@ class Library:
         self.name = os.environ.get('RHEOLOG_LIBRARY') or (
             f'librheolog{ending}.0.dylib' if sys.platform == 'darwin' else f'librheolog{ending}.so.0')
         try:
-            self.library = ctypes.CDLL(self.name)
+            self.shared = ctypes.CDLL(self.name)
         except OSError as problem:
             raise LibraryError(f'{self.name} cannot be loaded ({problem}); set RHEOLOG_LIBRARY to the file of the shared library '
                                f'for {type_name}') from None
         self.ending = ending.replace('-', '_')
         other = '' if self.ending else '_double'
-        if not hasattr(self.library, 'rheo_player_open' + self.ending):
+        if not hasattr(self.shared, 'rheo_player_open' + self.ending):
             raise LibraryError(f'{self.name} is a library for {"float" if self.ending else "double"}, and the recording is of '
                                f'{type_name}; set RHEOLOG_LIBRARY to librheolog{ending}'
-                               if hasattr(self.library, 'rheo_player_open' + other) else f'{self.name} is no librheolog')
+                               if hasattr(self.shared, 'rheo_player_open' + other) else f'{self.name} is no librheolog')
 
     def function(self, name, result, *arguments):
-        found = getattr(self.library, name + self.ending)
+        found = getattr(self.shared, name + self.ending)
         found.restype, found.argtypes = result, arguments
         return found
 
     def call(self, name, *values):
         """Calls a function that returns a rheo_result and takes a rheo_error last."""
         error = _CError()
-        function = getattr(self.library, name + self.ending)
+        function = getattr(self.shared, name + self.ending)
         function.restype, function.argtypes = ctypes.c_int, None
         if function(*values, ctypes.byref(error)) != 0:
             raise LibraryError(error.message.decode(errors='replace'))
@@ -633,7 +633,7 @@ class Player:
     """A rheo_player and its recording."""
 
     def __init__(self, library, path):
-        self.library = library
+        self.shared = library
         self.recording, self.player = ctypes.c_void_p(), ctypes.c_void_p()
         library.call('rheo_recording_open', os.fsencode(path), ctypes.byref(self.recording))
         close = [(library.function('rheo_recording_close', None, ctypes.c_void_p), self.recording)]
@@ -648,16 +648,16 @@ class Player:
 
     def go(self, step, stage):
         if stage is None:
-            self.library.call('rheo_player_seek', self.player, ctypes.c_uint64(step))
+            self.shared.call('rheo_player_seek', self.player, ctypes.c_uint64(step))
         else:
-            self.library.call('rheo_player_seek_stage', self.player, ctypes.c_uint64(step), stage.encode())
+            self.shared.call('rheo_player_seek_stage', self.player, ctypes.c_uint64(step), stage.encode())
 
     def arrays(self):
         """The fields of the world where the player is."""
-        world = ctypes.c_void_p(self.library.function('rheo_player_world', ctypes.c_void_p, ctypes.c_void_p)(self.player))
-        count = self.library.function('rheo_world_field_count', ctypes.c_uint32, ctypes.c_void_p)
-        describe = self.library.function('rheo_world_field', ctypes.c_int, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_void_p)
-        read = self.library.function('rheo_world_field_read', ctypes.c_int, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_void_p,
+        world = ctypes.c_void_p(self.shared.function('rheo_player_world', ctypes.c_void_p, ctypes.c_void_p)(self.player))
+        count = self.shared.function('rheo_world_field_count', ctypes.c_uint32, ctypes.c_void_p)
+        describe = self.shared.function('rheo_world_field', ctypes.c_int, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_void_p)
+        read = self.shared.function('rheo_world_field_read', ctypes.c_int, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_void_p,
                                      ctypes.c_size_t)
         arrays = {}
         for index in range(count(world)):
@@ -665,7 +665,7 @@ class Player:
             describe(world, index, ctypes.byref(info))
             values = np.empty((info.rows, info.items, info.components), ELEMENTS[info.element].newbyteorder('='))
             if values.nbytes != info.bytes:
-                raise LibraryError(f'{self.library.name} describes fields in another way than this module; '
+                raise LibraryError(f'{self.shared.name} describes fields in another way than this module; '
                                    'use those of one version')
             if read(world, index, values.ctypes.data, values.nbytes) != 0:
                 raise LibraryError('there is no memory for a state')
