@@ -86,6 +86,24 @@ static void the_contributions_give_the_change(void **state)
         assert_true(fabs(after[i] - before[i] - sum[i]) < 1e-5);
 }
 
+/* A field that is summed anew loses its old value, which is no cause. */
+static void an_old_value_that_goes_is_not_the_largest(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("why a.rlog --step 6 --particle 20 --field derivative --all --depth 2"));
+    assert_int_equal(lines_with("fractional_derivative: "), 1);
+    assert_in(" its old value goes ", out);
+    assert_int_equal(lines_with("  * "), 1);
+    assert_null(strstr(out, ", most by its old value"));
+    const char *marked = strstr(out, "\n  * ");
+    assert_non_null(marked);
+    const char *past = strstr(marked, "the past, lag "), *end = strchr(marked + 1, '\n');
+    assert_true(past && past < end);
+    assert_in("derivative of particle 20 changed by ", out);
+    assert_in(", most by the past, lag ", out);
+}
+
 static void a_chain_says_why_it_ends(void **state)
 {
     (void)state;
@@ -325,6 +343,7 @@ int main(void)
         cmocka_unit_test(why_has_its_keys),
         cmocka_unit_test(the_largest_is_marked_and_the_rest_counted),
         cmocka_unit_test(the_contributions_give_the_change),
+        cmocka_unit_test(an_old_value_that_goes_is_not_the_largest),
         cmocka_unit_test(a_chain_says_why_it_ends),
         cmocka_unit_test(not_a_number_is_followed_to_its_birth),
         cmocka_unit_test(what_a_plate_swallows_is_followed_to_its_birth),

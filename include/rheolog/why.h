@@ -16,7 +16,7 @@ extern "C" {
  * that have no partner add NaN instead of 0.
  */
 typedef enum rheo_source {
-    /** Nothing: a sum begins, or a field is summed anew. */
+    /** Nothing: the old value goes, because it is summed anew. It is the largest of a link only if it is alone. */
     RHEO_SOURCE_NONE = 0,
     /** Gravity. */
     RHEO_SOURCE_GRAVITY = 1,

@@ -13,6 +13,8 @@ const char *cli_why_source(const rheo_contribution *c, uint64_t id, char text[CL
     const unsigned long long it = c->item, low = it < id ? it : id, high = it < id ? id : it;
     if (strcmp(item, "particle") == 0 && it == id)
         snprintf(text, CLI_WHY_TEXT, "its own %s", name);
+    else if (c->source == RHEO_SOURCE_NONE)
+        snprintf(text, CLI_WHY_TEXT, "its old value goes");
     else if (c->source == RHEO_SOURCE_SPRING)
         snprintf(text, CLI_WHY_TEXT, "spring %llu:%llu", low, high);
     else if (c->source == RHEO_SOURCE_PLATE)
@@ -163,9 +165,12 @@ void cli_why_change_text(const cli_why_request *r, const rheo_change *change)
     if (!all)
         return;
     const size_t shown = shown_of(r, change);
+    size_t largest = 0;
+    while (largest + 1 < change->count && change->contribution[all[largest].index].source == RHEO_SOURCE_NONE)
+        largest++;
     for (size_t i = 0; i < shown; i++) {
         const size_t index = r->top == UINT64_MAX ? i : all[i].index;
-        print_contribution(change, &change->contribution[index], r->id, index == all[0].index);
+        print_contribution(change, &change->contribution[index], r->id, index == all[largest].index);
     }
     if (shown < change->count)
         print_rest(change, all, shown);

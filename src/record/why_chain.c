@@ -71,7 +71,7 @@ static void choose_largest(rheo_link *link, const rheo_change *change)
             link->largest = *c;
             return;
         }
-        if (square(c->change) > most) {
+        if (square(c->change) > most && (c->source != RHEO_SOURCE_NONE || change->count == 1)) {
             most = square(c->change);
             link->largest = *c;
         }
