@@ -1,7 +1,7 @@
 #!/bin/sh
-# Compiles the C snippets of README.md exactly as printed, as C17 and as C++, runs them, and proves that the tests
+# Compiles the C snippets of docs/library.md exactly as printed, as C17 and as C++, runs them, and proves that the tests
 # among them fail without their golden recording and with a shorter one. The first snippet is a program; the others
-# are put into functions behind it, as README.md says.
+# are put into functions behind it, as docs/library.md says.
 #
 #   snippets.sh SOURCE_FOLDER INCLUDE_FOLDER_OF_BUILD LIBRARY RHEOLOG CC...
 set -eu
@@ -13,8 +13,8 @@ count=$(awk -v out="$tmp/snippet" '
     /^```c$/ { n++; on = 1; next }
     /^```$/ { on = 0 }
     on { print >(out n) }
-    END { print n + 0 }' "$source/README.md")
-[ "$count" -ge 4 ] || { echo "README.md has only $count snippets in C"; exit 1; }
+    END { print n + 0 }' "$source/docs/library.md")
+[ "$count" -ge 4 ] || { echo "docs/library.md has only $count snippets in C"; exit 1; }
 {
     printf '#define main first_main\n#include "snippet1"\n#undef main\n'
     printf '#include <setjmp.h>\n#include <stdarg.h>\n#include <stddef.h>\n#include <stdint.h>\n'
@@ -62,4 +62,4 @@ for language in $languages; do
     fails "100 steps are the same, but at least 120" "./others-$language"
     fails "differs in length: the golden recording has steps 0 to 100, this run 0 to 101" "./others-$language"
 done
-echo "snippets: $count of README.md compile and run in: $languages"
+echo "snippets: $count of docs/library.md compile and run in: $languages"
