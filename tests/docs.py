@@ -35,8 +35,10 @@ import time
 
 MARKER = re.compile(r'<!-- (not run: |needs: |exit code |in the test, |first: |file: |run by )(.*) -->$')
 PROMPT = re.compile(r'\(\w+ \d+.*?\) (.*)')
-# Builds are named only if they differ, and progress is shown only on a slow machine.
+# Builds are named only if they differ, progress is shown only on a slow machine, and the compiler is anyone's.
 VARYING = re.compile(r'; builds: .*\(this build\)$|^.*\bstep \d+ of \d+(, .* left)?\n', re.M)
+BUILD = re.compile(r'rheolog [\d.]+, .*, (float|double), \w+')
+COMMAND = re.compile(r'(\$ |build/)?(rheolog|meson|ninja|bench/\S+|tests/\S+|sh) \w')
 FEWEST_FAULTS, MOST_COMMANDS = 12, 3 # of docs/faults.md; commands in the median
 
 
@@ -46,7 +48,8 @@ def slug(title):
 
 def same_words(expected, actual):
     """Whether the words of two texts are the same; "..." stands for any words."""
-    want, have, w, h, star, again = expected.split(), actual.split(), 0, 0, None, 0
+    want, have = (BUILD.sub('build', text).split() for text in (expected, actual))
+    w, h, star, again = 0, 0, None, 0
     while h < len(have):
         if w < len(want) and want[w] == '...':
             star, w, again = w, w + 1, h
@@ -145,6 +148,8 @@ class Page:
             elif marker and marker[1] != 'run by ':
                 markers.append((marker[1].rstrip(': ,'), marker[2], at))
             elif line:
+                if line.startswith('    ') and COMMAND.match(line.strip()):
+                    self.complain(at, 'a command in a block that is neither sh nor console')
                 before = line
                 for kind, text, number in markers:
                     self.complain(number, f'no block follows "{kind}: {text}"')
@@ -177,7 +182,7 @@ class Page:
         if language not in ('sh', 'console'):
             self.out += lines
             for number, text in enumerate(lines, line):
-                if not language and re.match(r'(\$ )?rheolog \w', text):
+                if not language and COMMAND.match(text):
                     self.complain(number, 'a command in a block that is neither sh nor console')
             for kind, text, number in markers:
                 self.complain(number, f'"{kind}: {text}" before a block without commands')
@@ -305,6 +310,7 @@ def self_check(rheolog, faults):
         'no command of the block is "falsely"': '<!-- exit code 1: falsely -->\n' + block.format('sh', 'true'),
         'another output of: echo a b': block.format('console', '$ echo a b\na c'),
         'another output of: echo a "\n" b': block.format('console', '$ echo a "\n" b\na ... b c'),
+        'another output of: echo rheolog': block.format('console', '$ echo rheolog 1.2, gcc, x86\nrheolog 2.3, gcc, x86'),
         'another output of: echo two': block.format('console', '$ echo one\none\n$ echo two\n'),
         'no block follows "not run: because"': '<!-- not run: because -->\ntext\n' + block.format('sh', 'true'),
         'no block follows "needs: sh"': '<!-- needs: sh -->\n',
@@ -317,9 +323,11 @@ def self_check(rheolog, faults):
         'no command has "x"': '<!-- in the test, x is y -->\n\n' + block.format('sh', 'true'),
         'fails: false': '<!-- first: false -->\n' + block.format('sh', 'true'),
         'neither sh nor console': block.format('', '$ rheolog scenes'),
+        'md:3: a command in a block': 'text\n\n    rheolog scenes\n',
         'bad.json': '`bad.json`:\n' + block.format('json', '{') + block.format('sh', 'rheolog check bad.json'),
     }
-    right = ['<!-- file: a.txt -->\n' + block.format('sh', 'a b') + '<!-- in the test, z.txt is a.txt -->\n'
+    right = [block.format('console', '$ echo rheolog 1.2, gcc, float, x86\nrheolog 2.3, clang 9, optimised, float, arm') +
+             '<!-- file: a.txt -->\n' + block.format('sh', 'a b') + '<!-- in the test, z.txt is a.txt -->\n'
              '<!-- exit code 1: false -->\n<!-- first: touch b -->\n' +
              block.format('console', '$ cat z.txt\na\nb\n$ ls b\n...\n$ false'),
              '`b.txt`:\n' + block.format('text', 'b') + block.format('console', '$ cat b.txt\nb') +
