@@ -3,7 +3,7 @@
 
 #include "cli/pairs.h"
 #include "cli/provenance.h"
-#include "cli/report.h"
+#include "cli/verdicts.h"
 #include "cli/shell.h"
 #include "json/json_parameter.h"
 
@@ -137,7 +137,7 @@ static cli_outcome compare(const char *const path[2], bool common, rheo_verifica
     return result == RHEO_OK ? cli_outcome_of(v->verdict) : cli_outcome_of_error(result, &error, v);
 }
 
-static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
+static int compare_pair(cli_verdicts *report, const cli_pair *pair, bool common)
 {
     const char *const path[2] = {pair->a, pair->b};
     char name[2 * 4096 + 8];
@@ -147,7 +147,7 @@ static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
         snprintf(v.message, sizeof v.message, "not compared: interrupted before");
         if (report->json)
             print_json(path, &v);
-        return cli_report_add(report, name, path[0], CLI_OUTCOME_INTERRUPTED, &v, 0);
+        return cli_verdicts_add(report, name, path[0], CLI_OUTCOME_INTERRUPTED, &v, 0);
     }
     const double start = cli_now();
     const cli_outcome outcome = compare(path, common, &v);
@@ -155,13 +155,13 @@ static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
         print_json(path, &v);
     else if (!report->tap)
         print_text(path, &v);
-    return cli_report_add(report, name, path[0], outcome, &v, cli_now() - start);
+    return cli_verdicts_add(report, name, path[0], outcome, &v, cli_now() - start);
 }
 
 static int run(int argc, char **argv)
 {
     bool common = false;
-    cli_report report = {.command = "diff", .items = "pairs"};
+    cli_verdicts report = {.command = "diff", .items = "pairs"};
     const cli_option options[] = {
         {"--common", NULL, NULL, CLI_FLAG, &common},        {"--json", NULL, NULL, CLI_FLAG, &report.json},
         {"--tap", NULL, NULL, CLI_FLAG, &report.tap},       {"--junit", NULL, "FILE", CLI_TEXT, &report.junit},
@@ -172,11 +172,11 @@ static int run(int argc, char **argv)
         return status;
     cli_pairs pairs = {0};
     if ((status = cli_find_pairs(&cli_diff, argc, argv, &pairs)) == CLI_DONE &&
-        (status = cli_report_begin(&report, pairs.count)) == CLI_DONE) {
+        (status = cli_verdicts_begin(&report, pairs.count)) == CLI_DONE) {
         cli_watch_signals();
         for (size_t i = 0; i < pairs.count && status == CLI_DONE; i++)
             status = compare_pair(&report, &pairs.pair[i], common);
-        const int end = cli_report_end(&report);
+        const int end = cli_verdicts_end(&report);
         status = status == CLI_DONE ? end : status;
     }
     cli_release_pairs(&pairs);

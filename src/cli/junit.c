@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "cli/report.h"
+#include "cli/verdicts.h"
 
 int cli_check_junit(const char *path)
 {
@@ -53,7 +53,7 @@ static void put_attribute(FILE *file, const char *name, const char *value)
     fputc('"', file);
 }
 
-static void put_case(FILE *file, const cli_report *report, const cli_case *c)
+static void put_case(FILE *file, const cli_verdicts *report, const cli_case *c)
 {
     fputs("    <testcase", file);
     fprintf(file, " classname=\"rheolog.%s\"", report->command);
@@ -78,7 +78,7 @@ static void put_case(FILE *file, const cli_report *report, const cli_case *c)
 
 static void put_report(FILE *file, const void *of)
 {
-    const cli_report *report = of;
+    const cli_verdicts *report = of;
     double seconds = 0;
     for (size_t i = 0; i < report->count; i++)
         seconds += report->cases[i].seconds;
@@ -96,7 +96,7 @@ static void put_report(FILE *file, const void *of)
     fputs("  </testsuite>\n</testsuites>\n", file);
 }
 
-int cli_junit_write(const cli_report *report, const char *path)
+int cli_junit_write(const cli_verdicts *report, const char *path)
 {
     return cli_write_file(path, put_report, report);
 }

@@ -1,7 +1,7 @@
 /* rheolog verify: simulates recordings again and compares every step, as tests with golden recordings do. */
 #include <string.h>
 
-#include "cli/report.h"
+#include "cli/verdicts.h"
 #include "cli/shell.h"
 
 static void print_json(const char *file, const rheo_verification *v)
@@ -92,14 +92,14 @@ static cli_outcome verify(const char *file, rheo_verification *v)
 }
 
 /* Verifies a file, prints the result and adds it to the report. */
-static int verify_and_report(cli_report *report, const char *file)
+static int verify_and_report(cli_verdicts *report, const char *file)
 {
     rheo_verification v = {0};
     if (report->of[CLI_OUTCOME_INTERRUPTED]) {
         snprintf(v.message, sizeof v.message, "not compared: interrupted before");
         if (report->json)
             print_json(file, &v);
-        return cli_report_add(report, file, file, CLI_OUTCOME_INTERRUPTED, &v, 0);
+        return cli_verdicts_add(report, file, file, CLI_OUTCOME_INTERRUPTED, &v, 0);
     }
     const double start = cli_now();
     const cli_outcome outcome = verify(file, &v);
@@ -107,13 +107,13 @@ static int verify_and_report(cli_report *report, const char *file)
         print_json(file, &v);
     else if (!report->tap)
         print_text(file, &v);
-    return cli_report_add(report, file, file, outcome, &v, cli_now() - start);
+    return cli_verdicts_add(report, file, file, outcome, &v, cli_now() - start);
 }
 
 static int run(int argc, char **argv)
 {
     const char *simd = NULL;
-    cli_report report = {.command = "verify", .items = "recordings"};
+    cli_verdicts report = {.command = "verify", .items = "recordings"};
     const cli_option options[] = {
         {"--json", NULL, NULL, CLI_FLAG, &report.json},     {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
         {"--junit", NULL, "FILE", CLI_TEXT, &report.junit}, {"--github", NULL, NULL, CLI_FLAG, &report.github},
@@ -124,12 +124,12 @@ static int run(int argc, char **argv)
         return status;
     if (argc == 0)
         return cli_usage(&cli_verify, "no recordings given: nothing was verified");
-    if ((status = cli_report_begin(&report, (size_t)argc)) != CLI_DONE)
+    if ((status = cli_verdicts_begin(&report, (size_t)argc)) != CLI_DONE)
         return status;
     cli_watch_signals();
     for (int i = 0; i < argc && status == CLI_DONE; i++)
         status = verify_and_report(&report, argv[i]);
-    const int end = cli_report_end(&report);
+    const int end = cli_verdicts_end(&report);
     return status == CLI_DONE ? end : status;
 }
 

@@ -1,6 +1,6 @@
-/* Collects the outcomes of `verify` and `diff`, and prints totals, TAP and annotations of GitHub (report.h). */
+/* Collects the outcomes of `verify` and `diff`, and prints totals, TAP and annotations of GitHub (verdicts.h). */
 #define _POSIX_C_SOURCE 200809L
-#include "cli/report.h"
+#include "cli/verdicts.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,7 +29,7 @@ cli_outcome cli_outcome_of_error(rheo_result result, const rheo_error *error, rh
     return CLI_OUTCOME_FAILED;
 }
 
-int cli_report_begin(cli_report *report, size_t room)
+int cli_verdicts_begin(cli_verdicts *report, size_t room)
 {
     if (report->json && report->tap)
         return cli_fail(CLI_BAD, "--json and --tap both go to standard output; give one of them");
@@ -68,7 +68,7 @@ static void put_string(const char *key, const char *text)
     putchar('\n');
 }
 
-static void print_tap(const cli_report *report, const cli_case *c, const rheo_verification *v)
+static void print_tap(const cli_verdicts *report, const cli_case *c, const rheo_verification *v)
 {
     printf("%s %zu - ", c->outcome == CLI_OUTCOME_SAME ? "ok" : "not ok", report->count);
     put_description(c->name);
@@ -105,7 +105,7 @@ static void put_escaped(const char *text, bool property)
             fputc(*text, stderr);
 }
 
-static void print_annotation(const cli_report *report, const cli_case *c)
+static void print_annotation(const cli_verdicts *report, const cli_case *c)
 {
     fputs("::error file=", stderr);
     put_escaped(c->file, true);
@@ -133,7 +133,7 @@ static char *describe_growth(const rheo_verification *v)
     return text;
 }
 
-int cli_report_add(cli_report *report, const char *name, const char *file, cli_outcome outcome,
+int cli_verdicts_add(cli_verdicts *report, const char *name, const char *file, cli_outcome outcome,
                    const rheo_verification *v, double seconds)
 {
     cli_case *c = &report->cases[report->count++];
@@ -154,7 +154,7 @@ int cli_report_add(cli_report *report, const char *name, const char *file, cli_o
     return CLI_DONE;
 }
 
-static void print_totals(const cli_report *report)
+static void print_totals(const cli_verdicts *report)
 {
     printf("%zu %s: %zu same, %zu differ%s, %zu unreadable", report->count, report->items,
            report->of[CLI_OUTCOME_SAME], report->of[CLI_OUTCOME_DIFFERS],
@@ -165,7 +165,7 @@ static void print_totals(const cli_report *report)
     putchar('\n');
 }
 
-int cli_report_end(cli_report *report)
+int cli_verdicts_end(cli_verdicts *report)
 {
     int status = report->of[CLI_OUTCOME_INTERRUPTED]  ? CLI_INTERRUPTED
                  : report->of[CLI_OUTCOME_FAILED]     ? CLI_SYSTEM
