@@ -1,4 +1,4 @@
 #!/bin/sh
-# embed.sh FILE: prints the bytes of a file as numbers. Use: `const char text[] = {`, `#include "FILE.inc"`, `};`.
+# embed.sh FILE...: prints the bytes of files as numbers. Use: `const char text[] = {`, `#include "FILE.inc"`, `};`.
 set -eu
-od -A n -v -t u1 <"$1" | sed 's/[0-9][0-9]*/&,/g'
+cat -- "$@" | od -A n -v -t u1 | sed 's/[0-9][0-9]*/&,/g'

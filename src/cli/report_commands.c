@@ -1,0 +1,47 @@
+/* The parts of a page that say what was done: how the recording was made, and its commands. */
+#define _POSIX_C_SOURCE 200809L /* open_memstream() */
+#include "cli/report.h"
+
+#include <string.h>
+
+#include "cli/provenance.h"
+
+int cli_page_write_commands(cli_page *page)
+{
+    rheo_world_def def = *rheo_recording_definition(page->f.recording);
+    const uint64_t count = rheo_recording_command_count(page->f.recording);
+    if (!cli_page_begin(&page->commands))
+        return cli_page_no_memory();
+    FILE *file = page->commands.file;
+    if (count == 0)
+        fputs("<p>No commands were given.</p>\n", file);
+    else
+        fputs("<ol class=\"commands\">\n", file);
+    int status = CLI_DONE;
+    for (uint64_t i = 0; i < count && status == CLI_DONE; i++) {
+        rheo_command c;
+        rheo_error error = {""};
+        char before[96] = "";
+        const rheo_result result = rheo_recording_command(page->f.recording, i, &c, &error);
+        if (result != RHEO_OK) {
+            status = cli_file_error(page->f.path, result, &error);
+            break;
+        }
+        if (c.kind == RHEO_COMMAND_SET) {
+            rheo_world_def_get(&def, c.path, before, sizeof before);
+            rheo_world_def_set(&def, c.path, c.value, NULL);
+        }
+        fputs("<li>before ", file);
+        cli_page_put_link(file, c.step, "", -1);
+        fprintf(file, "step %llu</a>: ", (unsigned long long)c.step);
+        cli_page_put(file, c.text);
+        if (before[0]) {
+            fputs("; before, it was ", file);
+            cli_page_put(file, before);
+        }
+        fputs("</li>\n", file);
+    }
+    if (count)
+        fputs("</ol>\n", file);
+    return cli_page_end(&page->commands) ? status : cli_page_no_memory();
+}
