@@ -44,7 +44,7 @@ static bool put_marker(FILE *file, const char *name, const cli_page *page)
     } else if (strcmp(name, "style") == 0) {
         fprintf(file, "<style>\n%s</style>\n", style);
     } else if (strcmp(name, "script") == 0) {
-        fprintf(file, "<script>\n%s</script>\n", script);
+        fprintf(file, "<script type=\"module\">\n%s</script>\n", script);
     } else if (strcmp(name, "meta") == 0) {
         fputs("<script type=\"application/json\" id=\"report-meta\">\n", file);
         put_part(file, &page->meta);

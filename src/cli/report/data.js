@@ -1,0 +1,172 @@
+/*
+ * What the page holds: the description (report-meta) and the arrays (report-data, base64, little endian) that the C code wrote, as
+ * frames with positions and values. Numbers and colours as text.
+ */
+const meta = JSON.parse(document.getElementById("report-meta").textContent);
+const bytes = decode(document.getElementById("report-data"));
+
+function decode(element) {
+    const text = atob(element.textContent.trim());
+    const array = new Uint8Array(text.length);
+    for (let i = 0; i < text.length; i++)
+        array[i] = text.charCodeAt(i);
+    element.textContent = ""; // a third of the memory of the page
+    return array.buffer;
+}
+
+/* ---- Frames ---- */
+
+const ABSENT = 65535; // of a rounded number that is not finite
+const LARGEST = 65534;
+
+/* Numbers of the file from an offset, which need not be aligned. */
+function numbers(offset, count) {
+    const size = meta.exact ? 4 : 2;
+    const part = bytes.slice(offset, offset + size * count);
+    return meta.exact ? new Float32Array(part) : new Uint16Array(part);
+}
+
+/* Positions as x, y, z of each particle; NaN if not finite. */
+function positions(frame) {
+    const { offset, box } = frame.position;
+    const from = numbers(offset, 3 * frame.particles);
+    if (meta.exact)
+        return from;
+    const to = new Float32Array(from.length);
+    for (let i = 0; i < from.length; i++) {
+        const axis = i % 3;
+        to[i] = from[i] === ABSENT ? NaN : box[axis] + from[i] / LARGEST * (box[axis + 3] - box[axis]);
+    }
+    return to;
+}
+
+/* The values of a quantity, one for each particle; null if the frame does not have them. */
+function values(frame, quantity) {
+    const known = frame.values[quantity];
+    if (!known)
+        return null;
+    const from = numbers(known.offset, frame.particles);
+    if (meta.exact)
+        return from;
+    const to = new Float32Array(from.length);
+    for (let i = 0; i < from.length; i++)
+        to[i] = from[i] === ABSENT ? NaN : known.min + from[i] / LARGEST * (known.max - known.min);
+    return to;
+}
+
+/* A single value without reading the others. */
+function valueAt(frame, quantity, index) {
+    const known = frame.values[quantity];
+    if (!known)
+        return NaN;
+    const size = meta.exact ? 4 : 2;
+    const [number] = numbers(known.offset + size * index, 1);
+    return meta.exact ? number : number === ABSENT ? NaN : known.min + number / LARGEST * (known.max - known.min);
+}
+
+/* Index of a particle in the arrays of a frame, -1 if it is not there; and back. */
+function indexOf(frame, id) {
+    if (!frame.ids)
+        return id >= 0 && id < frame.particles ? id : -1;
+    return idsOf(frame).indexOf(id);
+}
+
+function idOf(frame, index) {
+    return frame.ids ? idsOf(frame)[index] : index;
+}
+
+function idsOf(frame) {
+    return new Uint32Array(bytes.slice(frame.ids.offset, frame.ids.offset + 4 * frame.particles));
+}
+
+function isFinitePoint(array, index) {
+    return Number.isFinite(array[3 * index] + array[3 * index + 1] + array[3 * index + 2]);
+}
+
+/* ---- Steps and stages ---- */
+
+const stageOrder = new Map(meta.stages.map((name, i) => [name, i]));
+const steps = [...new Set(meta.frames.map(frame => frame.step))]; // those that have frames, ascending
+
+/* The frames of a step, in order of stages, the end last. */
+function framesOf(step) {
+    return meta.frames.map((frame, index) => ({ frame, index })).filter(({ frame }) => frame.step === step)
+        .sort((a, b) => rank(a.frame) - rank(b.frame));
+}
+
+function rank(frame) {
+    return frame.stage === null ? Infinity : stageOrder.get(frame.stage) ?? 0;
+}
+
+/* Index of the frame of a step and stage, or of the nearest earlier one. Without a stage it is the end of the step. */
+function findFrame(step, stage) {
+    const known = [...steps].reverse().find(other => other <= step) ?? steps[0];
+    const choices = framesOf(known);
+    const exact = choices.find(({ frame }) => frame.stage === stage);
+    const wanted = exact ?? (stage === null ? choices.at(-1) :
+        [...choices].reverse().find(({ frame }) => rank(frame) <= rank({ stage })) ?? choices[0]);
+    return { index: wanted.index, exact: known === step && !!exact };
+}
+
+function timeOf(frame) {
+    return frame.time ?? frame.step * meta.dt;
+}
+
+/* Index of a mark's frame in `steps`. */
+function placeOf(step) {
+    const place = steps.findLastIndex(other => other <= step);
+    return Math.max(place, 0);
+}
+
+/* ---- Details ---- */
+
+const details = new Map(meta.details.map(detail => [detail.frame + ":" + detail.particle, detail]));
+
+function detailOf(frameIndex, id) {
+    return details.get(frameIndex + ":" + id) ?? null;
+}
+
+/* ---- Text ---- */
+
+/* A number with at most so many significant digits, like %g of C. */
+function brief(x, digits = 6) {
+    if (x === null || x === undefined)
+        return "unknown";
+    if (!Number.isFinite(x))
+        return "not finite";
+    if (x === 0)
+        return "0";
+    const size = Math.abs(x);
+    const text = size < 1e-4 || size >= 10 ** digits ? x.toExponential(digits - 1).replace(/\.?0+e/, "e") :
+        x.toPrecision(digits).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+    return text.replace("-", "−");
+}
+
+/* The unit in the units of the recording: L/T^2 becomes m/s² if the report says so. */
+function unitText(unit) {
+    if (!unit || unit === "1")
+        return "";
+    return unit.replace(/[A-Za-z]+/g, name => meta.units?.[{ L: "length", T: "time", M: "mass" }[name]] ?? name)
+        .replace(/\^(\d)(?!\d)/g, (all, digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
+}
+
+function withUnit(x, unit, digits) {
+    const text = unitText(unit);
+    return brief(x, digits) + (text && Number.isFinite(x) ? " " + text : "");
+}
+
+/* ---- Colours ---- */
+
+/* Viridis, at equal distances: it also has its order in grey, and for the colour-blind. */
+const VIRIDIS = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141], [42, 120, 142], [33, 145, 140], [34, 168, 132],
+    [68, 191, 112], [122, 209, 81], [189, 223, 38], [253, 231, 37]];
+
+function viridis(t) {
+    const place = Math.min(Math.max(t, 0), 1) * (VIRIDIS.length - 1);
+    const i = Math.min(Math.floor(place), VIRIDIS.length - 2);
+    return VIRIDIS[i].map((from, channel) => from + (place - i) * (VIRIDIS[i + 1][channel] - from));
+}
+
+function viridisGradient() {
+    return `linear-gradient(to right, ${VIRIDIS.map(rgb => `rgb(${rgb})`).join(", ")})`;
+}

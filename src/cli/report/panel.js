@@ -1,0 +1,167 @@
+/*
+ * The panel of the picked particle: its values, its colour over the frames, its history ring, its springs, and the command that
+ * prints the rest.
+ */
+
+/* The springs of a detail, the most stretched first. */
+function springsOf(detail) {
+    return (detail?.springs ?? []).map(spring => ({ ...spring, stretch: spring.stretch ?? spring.length / spring.rest_length - 1 }))
+        .sort((a, b) => size(b.stretch) - size(a.stretch));
+}
+
+function size(x) {
+    return Number.isFinite(x) ? Math.abs(x) : Infinity; // what is not finite comes first
+}
+
+/* The values of a particle in a frame by name, exact if the page has its details. */
+function valuesOf(frameIndex, id) {
+    const frame = meta.frames[frameIndex];
+    const index = indexOf(frame, id);
+    const detail = detailOf(frameIndex, id);
+    const found = {};
+    meta.quantities.forEach((quantity, i) => {
+        if (frame.values[i])
+            found[quantity.name] = valueAt(frame, i, index);
+    });
+    return { ...found, ...detail?.values };
+}
+
+function unitOf(name) {
+    return meta.quantities.find(quantity => quantity.name === name)?.unit ?? meta.detail_units?.[name] ??
+        meta.detail_units?.[name.replace(/\.[xyz]$/, "")] ?? "";
+}
+
+function labelOf(name) {
+    return meta.quantities.find(quantity => quantity.name === name)?.label ?? name.replaceAll("_", " ");
+}
+
+class Panel {
+    constructor(element, { pick, show, close }) {
+        this.element = element;
+        this.actions = { pick, show, close };
+        this.open = new Set(); // folded parts that the reader has opened
+    }
+
+    hide() {
+        this.element.hidden = true;
+        this.element.replaceChildren();
+    }
+
+    /* Shows a particle; the page calls it again for every frame. */
+    show({ frameIndex, id, point, quantity, logarithmic }) {
+        const { element, actions } = this;
+        const frame = meta.frames[frameIndex];
+        const focused = element.contains(document.activeElement) ? document.activeElement.dataset.name ?? "title" : null;
+        const { scrollTop } = element;
+        element.hidden = false;
+        element.replaceChildren(
+            make("div", { class: "panel-head" },
+                make("h2", { tabindex: -1, "data-name": "title" }, `Particle ${id}`),
+                make("span", {}, `step ${frame.step}, ${frame.stage ? "after stage " + frame.stage : "end"}`),
+                make("button", { type: "button", "data-name": "close", "aria-label": "Close: pick nothing", onclick: actions.close }, "×")),
+            ...(point ? this.parts({ frameIndex, frame, id, point, quantity, logarithmic }) :
+                [make("p", {}, "This particle is not there in this frame.")]));
+        element.scrollTop = scrollTop;
+        for (const details of element.querySelectorAll("details")) {
+            const name = details.firstChild.textContent;
+            details.open = this.open.has(name);
+            details.addEventListener("toggle", () => details.open ? this.open.add(name) : this.open.delete(name));
+        }
+        if (focused)
+            element.querySelector(`[data-name="${CSS.escape(focused)}"]`)?.focus({ preventScroll: true });
+    }
+
+    parts({ frameIndex, frame, id, point, quantity, logarithmic }) {
+        const detail = detailOf(frameIndex, id);
+        return [
+            this.valueTable(frameIndex, id, point, detail),
+            this.overTime(frame, id, quantity, logarithmic),
+            detail ? this.past(detail) : null,
+            detail ? this.springTable(detail) : null,
+            this.command(frame, id, detail),
+        ].filter(part => part);
+    }
+
+    /* Rows of a name, a number or vector, and its unit. */
+    valueTable(frameIndex, id, point, detail) {
+        const all = valuesOf(frameIndex, id);
+        const rows = new Map();
+        if (!("position.x" in all))
+            rows.set("position", { numbers: point, unit: "L" });
+        for (const [name, number] of Object.entries(all)) {
+            const [, base, axis] = name.match(/^(.*)\.([xyz])$/) ?? [null, name, null];
+            if (!rows.has(base))
+                rows.set(base, { numbers: [], unit: unitOf(name) });
+            rows.get(base).numbers.push(number);
+            rows.get(base).vector ||= axis !== null;
+        }
+        const rounded = !meta.exact && !detail;
+        return make("div", {},
+            make("table", { class: "values" }, make("tbody", {}, [...rows].map(([name, { numbers, unit }]) => make("tr", {},
+                make("th", { scope: "row" }, labelOf(name)),
+                make("td", { class: numbers.every(Number.isFinite) ? null : "bad" }, numbers.map(x => brief(x)).join(", ")),
+                make("td", {}, unitText(unit)))))),
+            rounded ? make("p", { class: "small" }, "Rounded to 1/65534 of the range of the frame.") : null);
+    }
+
+    /* The quantity that is coloured, at the ends of all steps that have frames; a click goes there. */
+    overTime(frame, id, quantity, logarithmic) {
+        const x = [], y = [];
+        for (const other of meta.frames)
+            if (other.stage === null && other.values[quantity]) {
+                const index = indexOf(other, id);
+                x.push(other.step);
+                y.push(index < 0 ? NaN : valueAt(other, quantity, index));
+            }
+        if (x.length < 2)
+            return null;
+        const { label, unit } = meta.quantities[quantity];
+        const unitPart = unitText(unit) ? ", " + unitText(unit) : "";
+        return make("figure", {},
+            plot({ label: `${label} of particle ${id} over the steps`, xLabel: "step", yLabel: label + unitPart, curves: [{ x, y }],
+                logarithmic: logarithmic && y.some(value => value > 0), at: frame.step, onpick: step => this.actions.show(step) }),
+            dataTable(`${label} over the steps`, [{ name: "step", values: x }, { name: label + unitPart, values: y }]));
+    }
+
+    /* The velocities that the particle remembers, the newest at age 0. */
+    past(detail) {
+        if (!detail.past)
+            return null;
+        const { age, velocity } = detail.past;
+        const curves = [
+            { name: "|v|", x: age, y: velocity.map(v => Math.hypot(...v)) },
+            ...["x", "y", "z"].map((axis, i) => ({ name: `v.${axis}`, x: age, y: velocity.map(v => v[i]) })),
+        ];
+        const unitPart = unitText("L/T") ? ", " + unitText("L/T") : "";
+        const agePart = unitText("T") ? ", " + unitText("T") : "";
+        return make("figure", {},
+            make("h3", {}, "History ring"),
+            plot({ label: `Velocities that particle ${detail.particle} remembers`, xLabel: "age" + agePart, yLabel: "velocity" + unitPart, curves }),
+            legend(curves),
+            dataTable("Velocities in the history ring", [{ name: "age", values: age }, ...curves.map(({ name, y }) => ({ name, values: y }))]));
+    }
+
+    springTable(detail) {
+        const springs = springsOf(detail);
+        if (!springs.length)
+            return make("p", {}, "It has no springs.");
+        const columns = ["length", "rest_length", "stretch", ...Object.keys(springs[0]).filter(name =>
+            !["other", "length", "rest_length", "stretch"].includes(name))];
+        return make("div", {},
+            make("h3", {}, `${springs.length} springs, the most stretched first`),
+            make("div", { class: "scroll" }, make("table", { class: "springs" },
+                make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "to"),
+                    columns.map(name => make("th", { scope: "col" }, name.replaceAll("_", " "))))),
+                make("tbody", {}, springs.map(spring => make("tr", {},
+                    make("td", {}, make("button", { type: "button", class: "link", "data-name": `spring-${spring.other}`,
+                        onclick: () => this.actions.pick(spring.other) }, String(spring.other))),
+                    columns.map(name => make("td", {}, brief(spring[name], 5)))))))));
+    }
+
+    command(frame, id, detail) {
+        const stage = frame.stage ? ` --stage ${frame.stage}` : "";
+        return make("p", { class: "small" },
+            detail ? "The same, with its neighbours: " : "Springs and history of this particle are not on this page: ",
+            make("code", {}, `rheolog inspect ${meta.name} --step ${frame.step}${stage} --particle ${id}`));
+    }
+}
