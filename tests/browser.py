@@ -47,6 +47,7 @@ class Browser:
         self.errors = []
         self.requests = []
         self.session = None
+        self.scripted = True
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Network", "Log"):
@@ -130,9 +131,15 @@ class Browser:
             self.receive(until)
         self.settle()
 
+    def without_scripts(self):
+        """Pages opened from now on run no scripts of their own."""
+        self.call("Emulation.setScriptExecutionDisabled", value=True)
+        self.scripted = False
+
     def settle(self):
         """Waits until the page has been drawn twice."""
-        self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        if self.scripted:
+            self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def run(self, expression):
         """The value of an expression of JavaScript."""
