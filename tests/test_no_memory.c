@@ -300,6 +300,24 @@ static rheo_result export_all(bool surfaces, rheo_error *error)
     return result;
 }
 
+/* With points, its text takes more than one buffer. */
+static rheo_result plot(bool points, rheo_error *error)
+{
+    enum { COUNT = 3000 };
+    static double x[COUNT], y[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        x[i] = i;
+        y[i] = i % 97;
+    }
+    const rheo_plot_curve curve = {"y", COUNT, x, y, points ? RHEO_PLOT_POINTS : RHEO_PLOT_LINE, 0};
+    const rheo_plot_panel panel = {NULL, {0}, {0}, 1, &curve};
+    char *text;
+    size_t size;
+    rheo_result result = rheo_plot_text(&(rheo_plot){"y", NULL, 1, &panel, 1}, &text, &size, error);
+    free(text);
+    return result;
+}
+
 static rheo_result fill_mesh(bool warn, rheo_error *error)
 {
     rheo_scene scene = {0};
@@ -367,6 +385,7 @@ TASK(go_on)
 TASK(copy)
 TASK(draw)
 TASK(export_all)
+TASK(plot)
 TASK(fill_mesh)
 
 int main(void)
@@ -377,7 +396,7 @@ int main(void)
         cmocka_unit_test(bless_without_memory),     cmocka_unit_test(make_again_without_memory),
         cmocka_unit_test(go_on_without_memory),     cmocka_unit_test(draw_without_memory),
         cmocka_unit_test(copy_without_memory),      cmocka_unit_test(export_all_without_memory),
-        cmocka_unit_test(fill_mesh_without_memory),
+        cmocka_unit_test(fill_mesh_without_memory), cmocka_unit_test(plot_without_memory),
     };
     rheo_error error;
     rheo_recording *r;

@@ -16,6 +16,12 @@ static void write_plot(const rheo_plot *plot)
     assert_non_null(written);
     svg[fread(svg, 1, sizeof svg - 1, written)] = 0;
     fclose(written);
+    char *text; /* has the same bytes */
+    size_t size;
+    OK(rheo_plot_text(plot, &text, &size, NULL));
+    assert_int_equal(size, strlen(svg));
+    assert_string_equal(text, svg);
+    free(text);
 }
 
 static void write_curves(const rheo_plot_curve *curve, size_t count, rheo_plot_axis x, rheo_plot_axis y)
@@ -536,6 +542,13 @@ static void bad_plots_are_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "the scale of y of panel 0 is 2; it must be linear or logarithmic",
             rheo_plot_write(&plot, "plot.svg", true, &error));
     assert_int_not_equal(access("plot.svg", F_OK), 0);
+    plot = sample_plot();
+    char *text = svg;
+    size_t size = 1;
+    plot.panel_count = 0;
+    REFUSED(RHEO_ERROR_ARGUMENT, "a panel", rheo_plot_text(&plot, &text, &size, &error));
+    assert_null(text);
+    assert_int_equal(size, 0);
     plot = sample_plot();
     REFUSED(RHEO_ERROR_FILE, "cannot write", rheo_plot_write(&plot, "nowhere/plot.svg", true, &error));
     OK(rheo_plot_write(&plot, "plot.svg", false, NULL));

@@ -101,6 +101,12 @@ typedef struct rheo_plot {
  */
 RHEO_API rheo_result rheo_plot_write(const rheo_plot *plot, const char *path, bool force, rheo_error *error);
 
+/**
+ * Makes the same SVG as text: *text with a 0 behind its *size bytes, such as an element of an HTML page. Release *text
+ * with free(). Errors as of rheo_plot_write(), but for the file; *text is then NULL.
+ */
+RHEO_API rheo_result rheo_plot_text(const rheo_plot *plot, char **text, size_t *size, rheo_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,5 +1,5 @@
 /*
- * Buffered output to a temporary file. rheo__output_close() reports the first failure, so that writers need not check
+ * Buffered output to a temporary file, or to memory. rheo__output_close() reports the first failure, so that writers need not check
  * every call.
  */
 #include "view/output.h"
@@ -33,8 +33,29 @@ rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, r
     return result;
 }
 
+/* Keeps room for a 0. */
+static void flush_to_memory(rheo__output *out)
+{
+    if (out->used >= out->room - out->size) {
+        const size_t room = 2 * out->room + out->used + 1;
+        char *memory = out->trouble ? NULL : realloc(out->memory, room);
+        out->trouble = memory ? 0 : ENOMEM;
+        out->memory = memory ? memory : out->memory;
+        out->room = memory ? room : out->room;
+    }
+    if (!out->trouble) {
+        memcpy(out->memory + out->size, out->buffer, out->used);
+        out->size += out->used;
+    }
+    out->used = 0;
+}
+
 static void flush(rheo__output *out)
 {
+    if (!out->file) {
+        flush_to_memory(out);
+        return;
+    }
     errno = 0;
     if (out->used && !out->trouble && fwrite(out->buffer, 1, out->used, out->file) != out->used)
         out->trouble = errno ? errno : EIO;
@@ -56,6 +77,26 @@ rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error
     free(out->name);
     free(out->target);
     return result;
+}
+
+void rheo__output_open_memory(rheo__output *out)
+{
+    out->file = NULL;
+    out->memory = NULL;
+    out->size = out->room = out->used = 0;
+    out->trouble = 0;
+}
+
+rheo_result rheo__output_close_memory(rheo__output *out, char **bytes, size_t *size, rheo_error *error)
+{
+    flush(out);
+    if (out->trouble)
+        free(out->memory);
+    else
+        out->memory[out->size] = 0;
+    *bytes = out->trouble ? NULL : out->memory;
+    *size = out->trouble ? 0 : out->size;
+    return out->trouble ? rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write a text") : RHEO_OK;
 }
 
 void rheo__output_bytes(rheo__output *out, const void *bytes, size_t size)

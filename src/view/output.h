@@ -7,12 +7,14 @@
 #include "core/error.h"
 #include "rheolog/view.h"
 
-/* ---- Output: a file has a temporary name in its final folder until it is complete ---- */
+/* ---- Output: a file, which has a temporary name in its final folder until it is complete, or memory ---- */
 
 enum { RHEO__OUTPUT_BUFFER = 1 << 16 };
 
 typedef struct rheo__output {
-    FILE *file;
+    FILE *file; /* NULL: to memory */
+    char *memory;
+    size_t size, room; /* of memory */
     const char *path;
     char *target, *name; /* where `path` leads to, and the temporary name until the file is complete */
     size_t used;
@@ -23,6 +25,10 @@ typedef struct rheo__output {
 rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, rheo_error *error);
 /* Renames the file to its path; removes it if `result` is not RHEO_OK or a write failed. */
 rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error *error);
+
+void rheo__output_open_memory(rheo__output *out);
+/* Hands over the bytes, with a 0 behind them. Release *bytes with free(). RHEO_ERROR_MEMORY: *bytes is NULL. */
+rheo_result rheo__output_close_memory(rheo__output *out, char **bytes, size_t *size, rheo_error *error);
 
 void rheo__output_bytes(rheo__output *out, const void *bytes, size_t size);
 void rheo__output_text(rheo__output *out, const char *text);

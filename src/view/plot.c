@@ -379,3 +379,14 @@ rheo_result rheo_plot_write(const rheo_plot *plot, const char *path, bool force,
     put_plot(&out, plot);
     return rheo__output_close(&out, RHEO_OK, error);
 }
+
+rheo_result rheo_plot_text(const rheo_plot *plot, char **text, size_t *size, rheo_error *error)
+{
+    rheo__output out;
+    *text = NULL;
+    *size = 0;
+    RHEO__TRY(check_plot(plot, error));
+    rheo__output_open_memory(&out);
+    put_plot(&out, plot);
+    return rheo__output_close_memory(&out, text, size, error);
+}
