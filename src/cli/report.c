@@ -51,9 +51,9 @@ static uint64_t all_bytes(const cli_page *page)
     uint64_t data = 0;
     for (size_t i = 0; i < page->blocks.count; i++)
         data += page->blocks.block[i].used ? page->blocks.block[i].size : 0;
-    return cli_page_template_size() + page->summary.size + page->budget.size + page->story.size + page->divergence.size +
-           page->metrics_part.size + page->stages_part.size + page->commands.size + page->meta.size +
-           cli_page_base64_size(data);
+    return cli_page_template_size() + page->summary.size + page->budget.size + page->story.size +
+           page->divergence.size + page->metrics_part.size + page->stages_part.size + page->commands.size +
+           page->meta.size + cli_page_base64_size(data);
 }
 
 /* Leaves out the frame that is wanted least. False: only those are left that are always there. */
@@ -179,12 +179,9 @@ static int run(int argc, char **argv)
 {
     arguments a = {.max_size = {false, MAX_SIZE}};
     const cli_option options[] = {
-        {"--output", "-o", "FILE", CLI_TEXT, &a.output},
-        {"--max-size", NULL, "SIZE", CLI_SIZE, &a.max_size},
-        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
-        {"--force", NULL, NULL, CLI_FLAG, &a.force},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json},
-        {0},
+        {"--output", "-o", "FILE", CLI_TEXT, &a.output}, {"--max-size", NULL, "SIZE", CLI_SIZE, &a.max_size},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},     {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},       {0},
     };
     int status = cli_parse(&cli_report, options, &argc, argv);
     if (status != CLI_GO_ON)

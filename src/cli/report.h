@@ -80,9 +80,9 @@ typedef struct cli_page_quantity {
     char name[40];
     const char *unit, *meaning;
     cli_page_source source;
-    size_t offset; /* in rheo_particle_state */
-    int rank;      /* 0: in each frame; 1: where there is room; 2: components of vectors */
-    double range[2];     /* of the colours */
+    size_t offset;   /* in rheo_particle_state */
+    int rank;        /* 0: in each frame; 1: where there is room; 2: components of vectors */
+    double range[2]; /* of the colours */
     /* Samples of the values in the frames, from which the range is found. */
     double *sample;
     size_t samples, room;
@@ -150,8 +150,8 @@ typedef struct cli_page {
 
     /* How it is encoded. */
     bool exact;
-    int ranks;                     /* quantities up to this rank are in frames near a focus */
-    int far_ranks;                 /* in other frames */
+    int ranks;     /* quantities up to this rank are in frames near a focus */
+    int far_ranks; /* in other frames */
     uint32_t quantities;
     cli_page_quantity quantity[CLI_PAGE_QUANTITIES];
 

@@ -108,10 +108,9 @@ static void put_uint16(unsigned char *to, double value, double min, double max)
     const double range = max - min;
     uint32_t number = NOT_FINITE;
     if (is_known(value))
-        number = value >= max && range > 0 ? STEPS
-                 : value <= min || range <= 0
-                     ? 0
-                     : (uint32_t)((value - min) / range * STEPS + 0.5);
+        number = value >= max && range > 0    ? STEPS
+                 : value <= min || range <= 0 ? 0
+                                              : (uint32_t)((value - min) / range * STEPS + 0.5);
     to[0] = (unsigned char)number;
     to[1] = (unsigned char)(number >> 8);
 }
@@ -145,7 +144,8 @@ static bool list_far(const double *value, size_t count, size_t stride, uint32_t 
     return true;
 }
 
-static bool choose_ranges(const double *value, size_t count, size_t stride, uint32_t components, cli_page_array *array)
+static bool choose_ranges(const double *value, size_t count, size_t stride, uint32_t components,
+                          cli_page_array *array)
 {
     double *sorted = malloc((count + 1) * sizeof *sorted);
     if (!sorted)

@@ -148,8 +148,8 @@ static cli_page_detail *new_detail(cli_page *page)
 }
 
 /* False: no memory. */
-static bool add_detail(cli_page *page, const rheo_world *world, uint32_t id, const rheo_spring *spring, size_t springs,
-                       cli_page_detail start)
+static bool add_detail(cli_page *page, const rheo_world *world, uint32_t id, const rheo_spring *spring,
+                       size_t springs, cli_page_detail start)
 {
     rheo_particle_state state;
     cli_page_text text = {0};

@@ -19,7 +19,8 @@ static rheo_result read_metrics(cli_page_recording *r, rheo_error *error)
         return RHEO_ERROR_MEMORY;
     rheo_result result = RHEO_OK;
     for (uint64_t i = 0; i < r->steps && result == RHEO_OK; i++)
-        result = rheo_recording_metrics(r->recording, r->info.first_step + i, r->metric + (size_t)i * r->metrics, error);
+        result =
+            rheo_recording_metrics(r->recording, r->info.first_step + i, r->metric + (size_t)i * r->metrics, error);
     return result;
 }
 
@@ -124,8 +125,8 @@ static int look_at_difference(cli_page *page)
         add_particle(page, (int64_t)d->first.other_id);
     snprintf(text, sizeof text, "first difference: %s%s%s", d->first.field, d->first.stage[0] ? " after stage " : "",
              d->first.stage);
-    return add_mark(page, d->first.step, "difference", d->first.stage,
-                    particle || spring ? (int64_t)d->first.id : -1, text);
+    return add_mark(page, d->first.step, "difference", d->first.stage, particle || spring ? (int64_t)d->first.id : -1,
+                    text);
 }
 
 static int look_at_health(cli_page *page)

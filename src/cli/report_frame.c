@@ -9,8 +9,8 @@ enum { SAMPLES = 256 }; /* of a frame, for the ranges of the colours */
 
 /* ---- Quantities ---- */
 
-static void add_quantity(cli_page *page, const char *name, const char *component, const char *unit, const char *meaning,
-                         cli_page_source source, size_t offset, int rank)
+static void add_quantity(cli_page *page, const char *name, const char *component, const char *unit,
+                         const char *meaning, cli_page_source source, size_t offset, int rank)
 {
     if (page->quantities == CLI_PAGE_QUANTITIES)
         return;

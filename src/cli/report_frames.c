@@ -105,9 +105,9 @@ static int add_state(cli_page *page, uint64_t step, const char *stage, uint32_t 
 {
     const rheo_world *other = NULL;
     int status = seek_other(page, step, stage, &other);
-    return status == CLI_DONE ? cli_page_add_frame(page, rheo_player_world(page->f.player), other, step, stage, run,
-                                                   ranks, priority)
-                              : status;
+    return status == CLI_DONE
+               ? cli_page_add_frame(page, rheo_player_world(page->f.player), other, step, stage, run, ranks, priority)
+               : status;
 }
 
 /* ---- Stages ---- */
@@ -123,8 +123,8 @@ static const char *stage_of_focus(const cli_page *page, uint64_t step)
 }
 
 /* Goes through the stages of a step. The player is at the step before. */
-static int for_each_stage(cli_page *page, uint64_t step, int (*visit)(cli_page *, uint64_t, const char *, uint32_t, void *),
-                          void *data)
+static int for_each_stage(cli_page *page, uint64_t step,
+                          int (*visit)(cli_page *, uint64_t, const char *, uint32_t, void *), void *data)
 {
     const rheo_world *world;
     int status = CLI_DONE;
@@ -375,14 +375,16 @@ static uint32_t most_particles(const cli_page *page)
 int cli_page_collect(cli_page *page, uint64_t fixed_bytes)
 {
     const rheo_world *world = rheo_player_world(page->f.player);
-    budget b = {.all = page->max_bytes > fixed_bytes ? page->max_bytes - fixed_bytes : 0, .particles = most_particles(page)};
+    budget b = {.all = page->max_bytes > fixed_bytes ? page->max_bytes - fixed_bytes : 0,
+                .particles = most_particles(page)};
     cli_page_quantities_of(page, world);
     b.details = b.all * 15 / 100;
     if (!choose_level(page, &b, page->f.steps)) {
         char text[32];
         const uint64_t least = fixed_bytes + frame_bytes(page, b.particles, 0, false) * 100 / 85 + 1;
         cli_bytes((double)least, text, sizeof text);
-        return cli_fail(CLI_BAD, "--max-size %llu is too small for one state of %u particles; %llu (%s) would be enough",
+        return cli_fail(CLI_BAD,
+                        "--max-size %llu is too small for one state of %u particles; %llu (%s) would be enough",
                         (unsigned long long)page->max_bytes, (unsigned)b.particles, (unsigned long long)least, text);
     }
     const uint64_t detail = cli_page_detail_size(world) * (page->particles ? page->particles : 1);
@@ -392,7 +394,8 @@ int cli_page_collect(cli_page *page, uint64_t fixed_bytes)
     int status = collect_stages(page, &b);
     if (status != CLI_DONE)
         return status;
-    const uint64_t left = b.all - b.details - frames_bytes(page), frame = frame_bytes(page, b.particles, page->far_ranks, page->exact);
+    const uint64_t left = b.all - b.details - frames_bytes(page),
+                   frame = frame_bytes(page, b.particles, page->far_ranks, page->exact);
     const uint64_t rich = 3 * (frame_bytes(page, b.particles, page->ranks, page->exact) - frame);
     uint64_t most = left > rich + frame ? (left - rich) / frame : 1;
     most = most < page->f.steps ? most : page->f.steps;

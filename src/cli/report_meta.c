@@ -73,7 +73,8 @@ static void write_brief(rheo__json *json, const char *key, double value, int dig
 {
     char text[32];
     const char *end;
-    rheo__json_number(json, key, value - value == 0 ? rheo_text_number(rheo_number_brief(value, digits, text), &end) : value);
+    rheo__json_number(json, key,
+                      value - value == 0 ? rheo_text_number(rheo_number_brief(value, digits, text), &end) : value);
 }
 
 static void write_far(rheo__json *json, const cli_page_array *array, uint32_t components)
@@ -89,7 +90,8 @@ static void write_far(rheo__json *json, const cli_page_array *array, uint32_t co
     rheo__json_end_list(json);
 }
 
-static void write_array(rheo__json *json, const cli_page *page, const char *key, const cli_page_array *array, bool position)
+static void write_array(rheo__json *json, const cli_page *page, const char *key, const cli_page_array *array,
+                        bool position)
 {
     if (!array->known) {
         rheo__json_null(json, key);
@@ -98,7 +100,8 @@ static void write_array(rheo__json *json, const cli_page *page, const char *key,
     rheo__json_begin_object(json, key);
     rheo__json_integer(json, "offset", page->blocks.block[array->block].offset);
     if (position) {
-        const double box[6] = {array->min[0], array->min[1], array->min[2], array->max[0], array->max[1], array->max[2]};
+        const double box[6] = {array->min[0], array->min[1], array->min[2],
+                               array->max[0], array->max[1], array->max[2]};
         rheo__json_vector(json, "box", box, 6);
     } else {
         rheo__json_number(json, "min", array->min[0]);
@@ -232,7 +235,8 @@ static void write_details(FILE *file, const cli_page *page)
             const cli_page_detail *d = &page->detail[k];
             if (d->left_out || d->step != page->frame[i].step || d->run != page->frame[i].run)
                 continue;
-            fprintf(file, "%s{\"frame\": %zu, \"particle\": %u, ", follows ? ",\n" : "", index, (unsigned)d->particle);
+            fprintf(file, "%s{\"frame\": %zu, \"particle\": %u, ", follows ? ",\n" : "", index,
+                    (unsigned)d->particle);
             fwrite(d->json + 1, 1, d->size - 2, file); /* without the brace and the line break */
             follows = true;
         }

@@ -25,7 +25,7 @@ static bool put_marker(FILE *file, const char *name, const cli_page *page)
     const struct {
         const char *name;
         const cli_page_text *text;
-    } parts[] = {{"summary", &page->summary},       {"budget", &page->budget},       {"story", &page->story},
+    } parts[] = {{"summary", &page->summary},       {"budget", &page->budget},        {"story", &page->story},
                  {"divergence", &page->divergence}, {"metrics", &page->metrics_part}, {"stages", &page->stages_part},
                  {"commands", &page->commands}};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)

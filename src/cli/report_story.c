@@ -31,7 +31,8 @@ static int write_summary(cli_page *page)
     put_row(file, "model", rheo_model_name(rheo_recording_definition(page->f.recording)->model));
     snprintf(text, sizeof text, "%llu", (unsigned long long)info->particles);
     put_row(file, "particles", text);
-    snprintf(text, sizeof text, "%llu to %llu", (unsigned long long)info->first_step, (unsigned long long)info->last_step);
+    snprintf(text, sizeof text, "%llu to %llu", (unsigned long long)info->first_step,
+             (unsigned long long)info->last_step);
     put_row(file, "steps", text);
     put_row(file, "made by", cli_made_text(info));
     put_row(file, "build", info->build);
@@ -147,11 +148,12 @@ int cli_page_write_budget(cli_page *page)
         return cli_page_no_memory();
     FILE *file = page->budget.file;
     cli_bytes((double)page->max_bytes, text, sizeof text);
-    fprintf(file,
-            "<p>This file may have %s (<code>--max-size</code>). It holds %zu ends of steps of %llu, %zu states within steps, "
-            "and exact values of %zu particles. Numbers are %s.</p>\n<p>The rest: <code>rheolog inspect",
-            text, frames - stages, (unsigned long long)page->f.steps, stages, details,
-            page->exact ? "exact (float32)" : "rounded to 16 bits");
+    fprintf(
+        file,
+        "<p>This file may have %s (<code>--max-size</code>). It holds %zu ends of steps of %llu, %zu states within steps, "
+        "and exact values of %zu particles. Numbers are %s.</p>\n<p>The rest: <code>rheolog inspect",
+        text, frames - stages, (unsigned long long)page->f.steps, stages, details,
+        page->exact ? "exact (float32)" : "rounded to 16 bits");
     cli_put_file(file, page->f.name);
     fputs(" --step N --particle P</code></p>\n", file);
     return cli_page_end(&page->budget) ? CLI_DONE : cli_page_no_memory();
