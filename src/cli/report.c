@@ -98,7 +98,11 @@ static int make_page(cli_page *page)
     cli_doctor_chain_follow(page->f.recording, &page->chain);
     if ((status = cli_page_find_focus(page)) == CLI_DONE && (status = cli_page_write_story(page)) == CLI_DONE &&
         (status = cli_page_write_commands(page)) == CLI_DONE &&
-        (status = cli_page_collect(page, fixed_bytes(page))) == CLI_DONE)
+        (status = cli_page_write_divergence(page)) == CLI_DONE &&
+        (status = cli_page_write_metrics(page)) == CLI_DONE &&
+        (status = cli_page_take_stages(page, fixed_bytes(page))) == CLI_DONE &&
+        (status = cli_page_write_stages(page)) == CLI_DONE &&
+        (status = cli_page_take_steps(page, fixed_bytes(page))) == CLI_DONE)
         status = fit(page);
     return status;
 }
@@ -120,6 +124,7 @@ static void release(cli_page *page)
     for (uint32_t q = 0; q < page->quantities; q++)
         free(page->quantity[q].sample);
     cli_page_blocks_release(&page->blocks);
+    cli_page_profile_release(&page->profile);
     free(page->frame);
     free(page->detail);
     free(page->mark);

@@ -4,7 +4,7 @@
 
 #include "cli/doctor_why.h"
 
-enum { CLI_PAGE_QUANTITIES = 40, CLI_PAGE_FOCUSES = 24, CLI_PAGE_PARTICLES = 24, CLI_PAGE_STAGE_RUNS = 4096 };
+enum { CLI_PAGE_QUANTITIES = 40, CLI_PAGE_FOCUSES = 24, CLI_PAGE_PARTICLES = 24, CLI_PAGE_STAGE_ROWS = 200 };
 
 /* ---- Text in memory ---- */
 
@@ -23,6 +23,8 @@ void cli_page_put(FILE *file, const char *text);
 void cli_page_put_number(FILE *file, double value, int digits);
 /* Opens a link to a step, a stage ("": its end) and a particle (-1: none); close it with </a>. */
 void cli_page_put_link(FILE *file, uint64_t step, const char *stage, int64_t particle);
+/* Writes a command line with the name of a file: "rheolog metrics", the name, and what follows. */
+void cli_page_put_command(FILE *file, const char *begin, const char *name, const char *end);
 
 /* ---- Arrays ---- */
 
@@ -120,6 +122,34 @@ typedef struct cli_page_mark {
     char text[400];
 } cli_page_mark;
 
+/* ---- Stages ---- */
+
+/* The largest change of a value of particles by a stage run; particle -1: none. */
+typedef struct cli_page_change {
+    double size;
+    int64_t particle;
+    size_t particles; /* that changed */
+} cli_page_change;
+
+typedef struct cli_page_run {
+    char stage[48];
+    cli_page_change position, velocity;
+} cli_page_run;
+
+/* What the stage runs of a step changed. */
+typedef struct cli_page_profile {
+    uint64_t step;
+    cli_page_run *run;
+    size_t runs, room;
+    rheo_real *position, *velocity; /* before the next run */
+    size_t count;
+} cli_page_profile;
+
+/* Takes the state before the first run, then that after each. False: no memory. */
+bool cli_page_profile_begin(cli_page_profile *profile, const rheo_world *world);
+bool cli_page_profile_add(cli_page_profile *profile, const rheo_world *world, const char *stage);
+void cli_page_profile_release(cli_page_profile *profile);
+
 /* ---- The page ---- */
 
 typedef struct cli_page_recording {
@@ -148,6 +178,8 @@ typedef struct cli_page {
     cli_page_mark *mark;
     size_t marks, mark_room;
 
+    cli_page_profile profile;
+
     /* How it is encoded. */
     bool exact;
     int ranks;     /* quantities up to this rank are in frames near a focus */
@@ -171,46 +203,58 @@ typedef struct cli_page {
     uint64_t bytes; /* of the file */
 } cli_page;
 
-/* ---- report_story.c, report_focus.c: what to look at ---- */
+/* Functions that return int return an exit code, after a message if it is not CLI_DONE. */
+int cli_page_no_memory(void);
 
+/* ---- report_focus.c: what to look at ---- */
+
+/* Opens the recording at r->path, and reads all that is stored of it but states. */
 int cli_page_read(cli_page_recording *r);
 void cli_page_recording_release(cli_page_recording *r);
 /* A metric of a step; NaN if the recording does not have it. */
 double cli_page_metric(const cli_page_recording *r, uint64_t step, const char *name);
 /* Chooses the steps and particles that the page looks at, and its marks. */
 int cli_page_find_focus(cli_page *page);
-int cli_page_write_story(cli_page *page);
 
 /* ---- report_frames.c: which states ---- */
 
-int cli_page_collect(cli_page *page, uint64_t fixed_bytes);
+/* Chooses how states are encoded, and takes those within steps. fixed_bytes: of the file, beside its states. */
+int cli_page_take_stages(cli_page *page, uint64_t fixed_bytes);
+/* Takes those at the ends of steps. fixed_bytes: now with the part that cli_page_write_stages() wrote. */
+int cli_page_take_steps(cli_page *page, uint64_t fixed_bytes);
 
 /* ---- report_frame.c: one state ---- */
 
 void cli_page_quantities_of(cli_page *page, const rheo_world *world);
-/* Adds a frame of the worlds of both players. `other` may be NULL. Returns an exit code. */
+/* Adds a frame with the quantities up to a rank. other: NULL, or the world of the second recording. */
 int cli_page_add_frame(cli_page *page, const rheo_world *world, const rheo_world *other, uint64_t step,
                        const char *stage, uint32_t run, int ranks, uint32_t priority);
 void cli_page_find_ranges(cli_page *page);
 
-/* ---- report_details.c: one particle ---- */
+/* ---- report_details.c: exact values of particles in a state ---- */
 
+/* Of the particles that the page looks at, or of all. */
 int cli_page_add_details(cli_page *page, const rheo_world *world, uint64_t step, uint32_t run, uint64_t priority,
                          bool all);
 /* Bytes of the details of a particle, about. */
 uint64_t cli_page_detail_size(const rheo_world *world);
 
-/* ---- report_plots.c, report_commands.c, report_meta.c, report_page.c ---- */
+/* ---- The parts of the page, each in a file of its own ---- */
 
-int cli_page_write_plots(cli_page *page);
-int cli_page_write_commands(cli_page *page);
+int cli_page_write_story(cli_page *page); /* and the summary */
 int cli_page_write_divergence(cli_page *page);
+int cli_page_write_metrics(cli_page *page);
+int cli_page_write_stages(cli_page *page);
+int cli_page_write_commands(cli_page *page);
+/* Written again whenever a frame is left out. */
 int cli_page_write_meta(cli_page *page);
 int cli_page_write_budget(cli_page *page);
+
+/* ---- report_page.c ---- */
+
 /* Bytes of the page without its parts. */
 uint64_t cli_page_template_size(void);
+/* For cli_write_file(). */
 void cli_page_write(FILE *file, const void *page);
-
-int cli_page_no_memory(void);
 
 #endif

@@ -9,6 +9,7 @@
 #include <string.h>
 
 enum { FRAME_JSON = 220, ARRAY_JSON = 64 }; /* bytes of a frame and of each of its arrays in JSON, about */
+enum { LEAST_REST = 60000 };                /* for the part about stages */
 
 /* Where the bytes go. */
 typedef struct budget {
@@ -159,8 +160,9 @@ typedef struct window {
 static int count_run(cli_page *page, uint64_t step, const char *stage, uint32_t run, void *data)
 {
     window *w = data;
-    (void)page;
-    (void)step;
+    cli_page_profile *p = &page->profile;
+    if (p->step == step && !cli_page_profile_add(p, rheo_player_world(page->f.player), stage))
+        return cli_page_no_memory();
     w->runs = run + 1;
     if (strcmp(stage, w->wanted) == 0)
         w->anchor = run;
@@ -189,6 +191,11 @@ static int show_stages(cli_page *page, const budget *b, uint64_t step, bool firs
         const rheo_result result = rheo_player_seek(page->f.player, step - 1, &error);
         if (result != RHEO_OK)
             return failed(&page->f, result, &error);
+        if (first && !pass) {
+            page->profile.step = step;
+            if (!cli_page_profile_begin(&page->profile, rheo_player_world(page->f.player)))
+                return cli_page_no_memory();
+        }
         const int status = for_each_stage(page, step, pass ? show_run : count_run, &w);
         if (status != CLI_DONE)
             return status;
@@ -372,36 +379,46 @@ static uint32_t most_particles(const cli_page *page)
     return (uint32_t)count;
 }
 
-int cli_page_collect(cli_page *page, uint64_t fixed_bytes)
+static budget budget_of(const cli_page *page, uint64_t fixed_bytes)
 {
-    const rheo_world *world = rheo_player_world(page->f.player);
     budget b = {.all = page->max_bytes > fixed_bytes ? page->max_bytes - fixed_bytes : 0,
                 .particles = most_particles(page)};
-    cli_page_quantities_of(page, world);
     b.details = b.all * 15 / 100;
+    b.stages = (b.all - b.details) * 35 / 100;
+    return b;
+}
+
+int cli_page_take_stages(cli_page *page, uint64_t fixed_bytes)
+{
+    const rheo_world *world = rheo_player_world(page->f.player);
+    const budget b = budget_of(page, fixed_bytes);
+    cli_page_quantities_of(page, world);
     if (!choose_level(page, &b, page->f.steps)) {
         char text[32];
-        const uint64_t least = fixed_bytes + frame_bytes(page, b.particles, 0, false) * 100 / 85 + 1;
+        const uint64_t least = fixed_bytes + frame_bytes(page, b.particles, 0, false) * 100 / 85 + LEAST_REST;
         cli_bytes((double)least, text, sizeof text);
         return cli_fail(CLI_BAD,
                         "--max-size %llu is too small for one state of %u particles; %llu (%s) would be enough",
                         (unsigned long long)page->max_bytes, (unsigned)b.particles, (unsigned long long)least, text);
     }
+    page->extent = rheo_world_extent(world);
+    return collect_stages(page, &b);
+}
+
+int cli_page_take_steps(cli_page *page, uint64_t fixed_bytes)
+{
+    const rheo_world *world = rheo_player_world(page->f.player);
+    budget b = budget_of(page, fixed_bytes);
     const uint64_t detail = cli_page_detail_size(world) * (page->particles ? page->particles : 1);
     b.detailed = (size_t)(b.details * 3 / 2 / detail + 3);
-    b.stages = page->far_ranks == page->ranks && page->ranks == 0 ? 0 : (b.all - b.details) * 35 / 100;
-    page->extent = rheo_world_extent(world);
-    int status = collect_stages(page, &b);
-    if (status != CLI_DONE)
-        return status;
-    const uint64_t left = b.all - b.details - frames_bytes(page),
-                   frame = frame_bytes(page, b.particles, page->far_ranks, page->exact);
-    const uint64_t rich = 3 * (frame_bytes(page, b.particles, page->ranks, page->exact) - frame);
+    const uint64_t taken = b.details + frames_bytes(page), left = b.all > taken ? b.all - taken : 0,
+                   frame = frame_bytes(page, b.particles, page->far_ranks, page->exact),
+                   rich = 3 * (frame_bytes(page, b.particles, page->ranks, page->exact) - frame);
     uint64_t most = left > rich + frame ? (left - rich) / frame : 1;
     most = most < page->f.steps ? most : page->f.steps;
     if (!choose_steps(page, &b, (size_t)most))
         return cli_page_no_memory();
-    status = collect_steps(page, &b);
+    const int status = collect_steps(page, &b);
     free(b.step);
     if (page->frames)
         qsort(page->frame, page->frames, sizeof *page->frame, compare_frames);

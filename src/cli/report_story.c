@@ -151,10 +151,10 @@ int cli_page_write_budget(cli_page *page)
     fprintf(
         file,
         "<p>This file may have %s (<code>--max-size</code>). It holds %zu ends of steps of %llu, %zu states within steps, "
-        "and exact values of %zu particles. Numbers are %s.</p>\n<p>The rest: <code>rheolog inspect",
+        "and exact values of %zu particles. Numbers are %s.</p>\n<p>The rest: ",
         text, frames - stages, (unsigned long long)page->f.steps, stages, details,
         page->exact ? "exact (float32)" : "rounded to 16 bits");
-    cli_put_file(file, page->f.name);
-    fputs(" --step N --particle P</code></p>\n", file);
+    cli_page_put_command(file, "rheolog inspect", page->f.name, " --step N --particle P");
+    fputs("</p>\n", file);
     return cli_page_end(&page->budget) ? CLI_DONE : cli_page_no_memory();
 }

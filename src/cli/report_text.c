@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "cli/shell.h"
+
 bool cli_page_begin(cli_page_text *text)
 {
     text->file = open_memstream(&text->at, &text->size);
@@ -64,4 +66,12 @@ void cli_page_put_link(FILE *file, uint64_t step, const char *stage, int64_t par
     if (particle >= 0)
         fprintf(file, "&amp;particle=%lld", (long long)particle);
     fputs("\">", file);
+}
+
+void cli_page_put_command(FILE *file, const char *begin, const char *name, const char *end)
+{
+    char word[CLI_FILE_WORD];
+    fprintf(file, "<code>%s ", begin);
+    cli_page_put(file, cli_file_word(name, word));
+    fprintf(file, "%s</code>", end);
 }
