@@ -94,8 +94,7 @@ static bool scene_of_command(const char *made_by, rheo_scene *scene)
     return good;
 }
 
-/* Makes the recorded scene. False: it is not stored, or this build cannot read it. */
-static bool recorded_scene(const rheo_recording *recording, rheo_scene *scene)
+bool cli_recorded_scene(const rheo_recording *recording, rheo_scene *scene)
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
     const char *text = info.scene_text;
@@ -107,7 +106,7 @@ bool cli_cure_possible(const cli_doctor_case *c, const rheo_advice *a)
 {
     rheo_scene scene;
     const char *value = strchr(a->set, '=');
-    if (a->can_continue || !value || c->diagnosis->first_step > 0 || !recorded_scene(c->recording, &scene))
+    if (a->can_continue || !value || c->diagnosis->first_step > 0 || !cli_recorded_scene(c->recording, &scene))
         return true;
     char path[sizeof a->set];
     snprintf(path, sizeof path, "%.*s", (int)(value - a->set), a->set);

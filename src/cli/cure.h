@@ -15,6 +15,9 @@ typedef struct cli_doctor_case {
 /* Steps that a cure is run on for. */
 enum { CLI_CURE_STEPS = 100 };
 
+/* Makes the recorded scene; release it. False: it is not stored, or this build cannot read it. */
+bool cli_recorded_scene(const rheo_recording *recording, rheo_scene *scene);
+
 /* False: the scene cannot be made again with this advice, which is therefore none. */
 bool cli_cure_possible(const cli_doctor_case *c, const rheo_advice *advice);
 

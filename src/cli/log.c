@@ -8,21 +8,6 @@
 
 static const char *const KIND[] = {"", "set", "push_body", "add_particles", "move_vibrator"};
 
-/* ---- How the recording ends ---- */
-
-static const char *ending_of(const rheo_recording *recording, char *text, size_t size)
-{
-    const rheo_recording_info info = rheo_recording_get_info(recording);
-    rheo_failure failure;
-    if (rheo_recording_failure(recording, &failure))
-        rheo_failure_message(&failure, text, size);
-    else if (info.complete)
-        snprintf(text, size, "complete, after step %llu", (unsigned long long)info.last_step);
-    else
-        cli_completeness(recording, text, size);
-    return cli_ending(recording);
-}
-
 /* ---- JSON ---- */
 
 static void write_made(const char *file, const rheo_recording *recording)
@@ -97,7 +82,7 @@ static void write_command(const char *file, const rheo_command *c, const rheo_wo
 static void write_end(const char *file, const rheo_recording *recording)
 {
     char text[512];
-    const char *ending = ending_of(recording, text, sizeof text);
+    const char *ending = cli_ending_text(recording, text, sizeof text);
     rheo__json json = {.file = stdout};
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "file", file);
@@ -177,7 +162,7 @@ int cli_log_print(const char *file, rheo_recording *recording, bool json)
     if (status != CLI_DONE)
         return status;
     char text[512];
-    ending_of(recording, text, sizeof text);
+    cli_ending_text(recording, text, sizeof text);
     if (json)
         write_end(file, recording);
     else

@@ -3,11 +3,10 @@
 
 #include "json/json_parameter.h"
 
-enum { VALUE = 96 };
+enum { VALUE = CLI_PARAMETER_VALUE };
 
-/* The next parameter of the definition's model that differs from its default, from *index on. NULL: none. */
-static const rheo_parameter *next_differing(const rheo_world_def *def, size_t *index, char value[VALUE],
-                                            char usual[VALUE])
+const rheo_parameter *cli_next_differing(const rheo_world_def *def, size_t *index, char value[VALUE],
+                                         char usual[VALUE])
 {
     rheo_world_def defaults = rheo_default_model_def(def->model);
     const rheo_parameter *p = NULL;
@@ -25,7 +24,7 @@ void cli_differing_parameters_json(rheo__json *json, const char *key, const rheo
     char value[VALUE], usual[VALUE];
     const rheo_parameter *p = NULL;
     rheo__json_begin_object(json, key);
-    for (size_t i = 0; (p = next_differing(def, &i, value, usual)) != NULL;) {
+    for (size_t i = 0; (p = cli_next_differing(def, &i, value, usual)) != NULL;) {
         const bool given = rheo_world_def_get(values, p->path, value, VALUE) == RHEO_OK;
         rheo__json_parameter(json, p->path, p, given ? value : usual);
     }
@@ -37,7 +36,7 @@ void cli_differing_parameters_text(const rheo_world_def *def)
     char value[VALUE], usual[VALUE];
     const rheo_parameter *p = NULL;
     const char *head = "differs";
-    for (size_t i = 0; (p = next_differing(def, &i, value, usual)) != NULL; head = "")
+    for (size_t i = 0; (p = cli_next_differing(def, &i, value, usual)) != NULL; head = "")
         cli_print(stdout, 12, "%-11s %s = %s (default: %s)\n", head, p->path, value, *usual ? usual : "none");
 }
 
@@ -46,6 +45,19 @@ const char *cli_made_text(const rheo_recording_info *info)
     return info->made_refused ? "not shown: it is too long, not UTF-8 or has control characters"
            : info->made_by[0] ? info->made_by
                               : "not stored in this recording";
+}
+
+const char *cli_ending_text(const rheo_recording *recording, char *text, size_t size)
+{
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    rheo_failure failure;
+    if (rheo_recording_failure(recording, &failure))
+        rheo_failure_message(&failure, text, size);
+    else if (info.complete)
+        snprintf(text, size, "complete, after step %llu", (unsigned long long)info.last_step);
+    else
+        cli_completeness(recording, text, size);
+    return cli_ending(recording);
 }
 
 void cli_blessings_json(rheo__json *json, const rheo_recording *recording)

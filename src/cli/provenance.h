@@ -4,6 +4,10 @@
 
 #include "cli/cli.h"
 
+enum { CLI_PARAMETER_VALUE = 96 };
+/* The next parameter of the definition's model that differs from its default, from *index on, with both. NULL: none. */
+const rheo_parameter *cli_next_differing(const rheo_world_def *def, size_t *index, char value[CLI_PARAMETER_VALUE],
+                                         char usual[CLI_PARAMETER_VALUE]);
 /* Writes, as an object, the values in `values` of the parameters that differ between `def` and the defaults. */
 void cli_differing_parameters_json(rheo__json *json, const char *key, const rheo_world_def *def,
                                    const rheo_world_def *values);
@@ -12,6 +16,9 @@ void cli_differing_parameters_text(const rheo_world_def *def);
 
 /* How the recording was made, or why that is not shown. */
 const char *cli_made_text(const rheo_recording_info *info);
+
+/* Says how the recording ends; returns cli_ending(). */
+const char *cli_ending_text(const rheo_recording *recording, char *text, size_t size);
 
 void cli_blessings_json(rheo__json *json, const rheo_recording *recording);
 void cli_blessings_text(const rheo_recording *recording);

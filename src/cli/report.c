@@ -73,8 +73,6 @@ static int fit(cli_page *page)
 {
     for (;;) {
         int status = cli_page_write_meta(page);
-        if (status == CLI_DONE && page->budget.at)
-            free(page->budget.at);
         if (status == CLI_DONE)
             status = cli_page_write_budget(page);
         if (status != CLI_DONE || all_bytes(page) <= page->max_bytes)
@@ -138,13 +136,8 @@ static void release(cli_page *page)
 static void print_json(const arguments *a, const cli_page *page, int status)
 {
     rheo__json json = {.file = stdout};
-    size_t frames = 0, stages = 0, details = 0;
-    for (size_t i = 0; i < page->frames; i++) {
-        frames += !page->frame[i].left_out;
-        stages += !page->frame[i].left_out && page->frame[i].stage[0];
-    }
-    for (size_t i = 0; i < page->details; i++)
-        details += !page->detail[i].left_out;
+    cli_page_counts counts;
+    cli_page_count(page, &counts);
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "file", page->f.path);
     rheo__json_text(&json, "other", page->g.path);
@@ -156,9 +149,9 @@ static void print_json(const arguments *a, const cli_page *page, int status)
         rheo__json_integer(&json, "bytes", page->bytes);
         rheo__json_integer(&json, "max_bytes", page->max_bytes);
         rheo__json_bool(&json, "exact", page->exact);
-        rheo__json_integer(&json, "steps", frames - stages);
-        rheo__json_integer(&json, "stages", stages);
-        rheo__json_integer(&json, "details", details);
+        rheo__json_integer(&json, "steps", counts.steps);
+        rheo__json_integer(&json, "stages", counts.stages);
+        rheo__json_integer(&json, "details", counts.details);
     }
     rheo__json_end_object(&json);
 }

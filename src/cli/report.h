@@ -84,6 +84,7 @@ typedef struct cli_page_quantity {
     cli_page_source source;
     size_t offset;   /* in rheo_particle_state */
     int rank;        /* 0: in each frame; 1: where there is room; 2: components of vectors */
+    bool used;       /* a frame has it */
     double range[2]; /* of the colours */
     /* Samples of the values in the frames, from which the range is found. */
     double *sample;
@@ -97,6 +98,7 @@ typedef struct cli_page_frame {
     char stage[48]; /* "": end of the step */
     uint32_t run;   /* of the stage in the step, from 0; UINT32_MAX: end of the step */
     uint32_t particles;
+    double time;
     uint32_t priority; /* 0: is kept; the largest are left out first */
     bool left_out;
     cli_page_array position, value[CLI_PAGE_QUANTITIES];
@@ -173,6 +175,7 @@ typedef struct cli_page {
     /* What the page looks at. */
     uint64_t focus[CLI_PAGE_FOCUSES]; /* the first is the one whose stages are shown */
     uint32_t focuses;
+    const char *focus_reason;              /* why it is the first: "in which ..." */
     uint32_t particle[CLI_PAGE_PARTICLES]; /* named by the story, in its order */
     uint32_t particles;
     cli_page_mark *mark;
@@ -249,6 +252,13 @@ int cli_page_write_commands(cli_page *page);
 /* Written again whenever a frame is left out. */
 int cli_page_write_meta(cli_page *page);
 int cli_page_write_budget(cli_page *page);
+
+/* What the page holds. */
+typedef struct cli_page_counts {
+    size_t steps, stages, details; /* states at ends of steps and within steps; particles in states */
+} cli_page_counts;
+
+void cli_page_count(const cli_page *page, cli_page_counts *counts);
 
 /* ---- report_page.c ---- */
 

@@ -167,9 +167,9 @@ int cli_page_write_divergence(cli_page *page)
     if (!cli_page_begin(&page->divergence))
         return cli_page_no_memory();
     FILE *file = page->divergence.file;
-    fputs("<h2 id=\"divergence\">Compared with ", file);
+    fputs("<p>Compared with ", file);
     cli_page_put(file, page->g.name);
-    fputs("</h2>\n<p>", file);
+    fputs(": ", file);
     cli_page_put(file, d->message);
     fputs("</p>\n<p>The second recording: ", file);
     cli_page_put(file, page->g.diagnosis.why);

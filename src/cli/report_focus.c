@@ -7,6 +7,8 @@
 
 #include "json/file_name.h"
 
+enum { MOST_MARKS = 300 };
+
 /* ---- Recordings ---- */
 
 /* All metrics, step by step. */
@@ -61,7 +63,7 @@ double cli_page_metric(const cli_page_recording *r, uint64_t step, const char *n
 /* ---- What to look at ---- */
 
 /* The step that failed can be looked into, but has no end. */
-static void add_focus(cli_page *page, uint64_t step)
+static void add_focus(cli_page *page, uint64_t step, const char *reason)
 {
     const cli_page_recording *f = &page->f;
     if (step < f->info.first_step || step > f->info.last_step + f->diagnosis.failed)
@@ -69,6 +71,8 @@ static void add_focus(cli_page *page, uint64_t step)
     for (uint32_t i = 0; i < page->focuses; i++)
         if (page->focus[i] == step)
             return;
+    if (page->focuses == 0)
+        page->focus_reason = reason;
     if (page->focuses < CLI_PAGE_FOCUSES)
         page->focus[page->focuses++] = step;
 }
@@ -116,7 +120,7 @@ static int look_at_difference(cli_page *page)
     if (!page->g.path || d->verdict != RHEO_DIFFERS || d->lengths_differ)
         return CLI_DONE;
     char text[400];
-    add_focus(page, d->first.step);
+    add_focus(page, d->first.step, "which has the first difference");
     const bool particle = d->first.origin != RHEO_VALUES_NONE && d->first.location == RHEO_LOCATION_PARTICLE;
     const bool spring = d->first.origin != RHEO_VALUES_NONE && d->first.location == RHEO_LOCATION_SPRING;
     if (particle || spring)
@@ -135,10 +139,11 @@ static int look_at_health(cli_page *page)
     int status = CLI_DONE;
     if (!d->healthy) {
         if (page->chain.known)
-            add_focus(page, page->chain.step);
-        add_focus(page, d->cause.measure[0] ? d->cause.seen[0] ? d->cause.seen_step : d->cause.step : d->sign_step);
-        add_focus(page, d->sign_step);
-        add_focus(page, d->unhealthy_step);
+            add_focus(page, page->chain.step, "in which the first sign shows at a particle");
+        add_focus(page, d->cause.measure[0] ? d->cause.seen[0] ? d->cause.seen_step : d->cause.step : d->sign_step,
+                  "which has the first sign");
+        add_focus(page, d->sign_step, "which has the first sign");
+        add_focus(page, d->unhealthy_step, "which is unhealthy");
         add_particle(page, d->cause.id);
         add_particle(page, d->cause.other_id);
         for (uint32_t i = 0; i < page->chain.count; i++)
@@ -149,7 +154,7 @@ static int look_at_health(cli_page *page)
     if (d->failed && status == CLI_DONE) {
         char text[400];
         rheo_failure_message(&d->failure, text, sizeof text);
-        add_focus(page, d->failure.step);
+        add_focus(page, d->failure.step, "which failed");
         if (d->failure.location == RHEO_LOCATION_PARTICLE)
             add_particle(page, (int64_t)d->failure.id);
         status = add_mark(page, d->failure.step, "failure", d->failure.stage,
@@ -157,7 +162,7 @@ static int look_at_health(cli_page *page)
     }
     for (uint32_t i = 0; i < d->finding_count && status == CLI_DONE; i++) {
         const rheo_finding *f = &d->findings[i];
-        add_focus(page, f->step);
+        add_focus(page, f->step, "in which a measure leaves its range");
         add_particle(page, f->id);
         add_particle(page, f->other_id);
         if (d->healthy || f->step != d->cause.step || strcmp(f->measure, d->cause.measure) != 0)
@@ -176,8 +181,9 @@ static int look_at_commands(cli_page *page)
         const rheo_result result = rheo_recording_command(page->f.recording, i, &c, &error);
         if (result != RHEO_OK)
             return cli_file_error(page->f.path, result, &error);
-        add_focus(page, c.step);
-        status = add_mark(page, c.step, "command", "", -1, c.text);
+        add_focus(page, c.step, "before which a command was given");
+        if (page->marks < MOST_MARKS)
+            status = add_mark(page, c.step, "command", "", -1, c.text);
     }
     return status;
 }
@@ -227,7 +233,7 @@ int cli_page_find_focus(cli_page *page)
     if (status == CLI_DONE)
         status = look_at_commands(page);
     const uint64_t fastest = fastest_step(&page->f);
-    add_focus(page, fastest);
+    add_focus(page, fastest, "in which particles move fastest");
     add_extremes(page, page->focus[0] <= page->f.info.last_step ? page->focus[0] : page->f.info.last_step);
     add_extremes(page, fastest);
     if (page->marks)

@@ -209,7 +209,8 @@ int cli_page_add_frame(cli_page *page, const rheo_world *world, const rheo_world
     cli_page_frame *frame = &page->frame[page->frames++];
     source s = {.count = rheo_world_particle_count(world), .other = other};
     memcpy(s.period, rheo_world_definition(world)->space.period, sizeof s.period);
-    *frame = (cli_page_frame){.step = step, .run = run, .particles = s.count, .priority = priority};
+    *frame = (cli_page_frame){
+        .step = step, .run = run, .particles = s.count, .time = rheo_world_time(world), .priority = priority};
     snprintf(frame->stage, sizeof frame->stage, "%s", stage);
     s.state = malloc(((size_t)s.count + 1) * sizeof *s.state);
     s.value = malloc(((size_t)s.count + 1) * 3 * sizeof *s.value);

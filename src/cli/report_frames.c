@@ -180,13 +180,18 @@ static int show_run(cli_page *page, uint64_t step, const char *stage, uint32_t r
     return status;
 }
 
-static int show_stages(cli_page *page, const budget *b, uint64_t step, bool first)
+/* Shows all of its runs, or those before and after that of the focus; of a step that failed the last ones. */
+static int show_stages(cli_page *page, const budget *b, uint64_t step, uint64_t bytes, bool details)
 {
     rheo_error error = {""};
+    const bool first = page->profile.runs == 0;
     /* Most runs change only some arrays. */
-    const uint64_t most = 2 * b->stages / frame_bytes(page, b->particles, page->far_ranks, page->exact) + 4;
-    const uint32_t shown = (uint32_t)(most < 200 ? most : 200);
-    window w = {.anchor = UINT32_MAX, .limit = b->stages, .wanted = stage_of_focus(page, step), .details = first};
+    const uint64_t most = bytes / frame_bytes(page, b->particles, page->far_ranks, page->exact) + 2;
+    const uint32_t room = (uint32_t)(most < 100 ? most : 100);
+    window w = {.anchor = UINT32_MAX,
+                .limit = frames_bytes(page) + bytes,
+                .wanted = stage_of_focus(page, step),
+                .details = details};
     for (int pass = 0; pass < 2; pass++) {
         const rheo_result result = rheo_player_seek(page->f.player, step - 1, &error);
         if (result != RHEO_OK)
@@ -201,6 +206,7 @@ static int show_stages(cli_page *page, const budget *b, uint64_t step, bool firs
             return status;
         if (w.anchor == UINT32_MAX) /* the end, if the step failed */
             w.anchor = step > page->f.info.last_step ? w.runs : 0;
+        const uint32_t shown = w.anchor ? room : 2 * room;
         w.from = w.runs <= shown || w.anchor < shown / 2 ? 0 : w.anchor - shown / 2;
         w.from = w.runs > shown && w.from > w.runs - shown ? w.runs - shown : w.from;
         w.to = w.from + shown - 1;
@@ -214,11 +220,14 @@ static int collect_stages(cli_page *page, const budget *b)
     uint64_t focus = page->focus[0] < first ? first : page->focus[0];
     if (focus > last || b->stages == 0)
         return CLI_DONE;
-    int status = show_stages(page, b, focus, true);
+    const bool both = page->f.diagnosis.failed && focus != last;
+    int status = show_stages(page, b, focus, both ? b->stages / 2 : b->stages, true);
+    if (both && status == CLI_DONE)
+        status = show_stages(page, b, last, b->stages / 2, true);
     const uint64_t neighbour[] = {focus + 1, focus - 1};
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
-        if (neighbour[i] >= first && neighbour[i] <= last && 2 * frames_bytes(page) <= b->stages)
-            status = show_stages(page, b, neighbour[i], false);
+        if (neighbour[i] >= first && neighbour[i] <= page->f.info.last_step && 2 * frames_bytes(page) <= b->stages)
+            status = show_stages(page, b, neighbour[i], b->stages - frames_bytes(page), false);
     return status;
 }
 

@@ -66,6 +66,21 @@ static int find_stages(cli_page *page)
     return status;
 }
 
+/* Whether any frame has values of it. */
+static bool is_used(const cli_page *page, uint32_t quantity)
+{
+    for (size_t i = 0; i < page->frames; i++)
+        if (!page->frame[i].left_out && page->frame[i].value[quantity].known)
+            return true;
+    return false;
+}
+
+static void find_used(cli_page *page)
+{
+    for (uint32_t q = 0; q < page->quantities; q++)
+        page->quantity[q].used = is_used(page, q);
+}
+
 /* ---- JSON ---- */
 
 /* A number with this many digits, as JSON. */
@@ -116,12 +131,14 @@ static void write_frame(rheo__json *json, const cli_page *page, const cli_page_f
     rheo__json_begin_object(json, NULL);
     rheo__json_integer(json, "step", f->step);
     rheo__json_text(json, "stage", f->stage[0] ? f->stage : NULL);
+    rheo__json_number(json, "time", f->time);
     rheo__json_integer(json, "particles", f->particles);
     rheo__json_null(json, "ids");
     write_array(json, page, "position", &f->position, true);
     rheo__json_begin_list(json, "values");
     for (uint32_t q = 0; q < page->quantities; q++)
-        write_array(json, page, NULL, &f->value[q], false);
+        if (page->quantity[q].used)
+            write_array(json, page, NULL, &f->value[q], false);
     rheo__json_end_list(json);
     rheo__json_begin_list(json, "balls");
     for (uint32_t i = 0; i < f->body_count; i++) {
@@ -153,6 +170,8 @@ static void write_quantities(rheo__json *json, const cli_page *page)
     rheo__json_begin_list(json, "quantities");
     for (uint32_t i = 0; i < page->quantities; i++) {
         const cli_page_quantity *q = &page->quantity[i];
+        if (!q->used)
+            continue;
         rheo__json_begin_object(json, NULL);
         rheo__json_text(json, "name", q->name);
         write_label(json, q->name);
@@ -160,6 +179,7 @@ static void write_quantities(rheo__json *json, const cli_page *page)
         write_brief(json, "min", q->range[0], 6);
         write_brief(json, "max", q->range[1], 6);
         rheo__json_text(json, "meaning", q->meaning);
+        rheo__json_bool(json, "count", q->source >= CLI_PAGE_NEIGHBOURS && q->source <= CLI_PAGE_MATERIAL);
         rheo__json_end_object(json);
     }
     rheo__json_end_list(json);
@@ -262,6 +282,7 @@ int cli_page_write_meta(cli_page *page)
 {
     cli_page_text text = {0};
     place_blocks(page);
+    find_used(page);
     int status = find_stages(page);
     if (status != CLI_DONE)
         return status;

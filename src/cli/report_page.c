@@ -3,13 +3,13 @@
 
 #include <string.h>
 
-static const char template[] = {
+static const unsigned char template[] = {
 #include "cli/report/page.html.inc"
     0};
-static const char style[] = {
+static const unsigned char style[] = {
 #include "cli/report/page.css.inc"
     0};
-static const char script[] = {
+static const unsigned char script[] = {
 #include "cli/report/page.js.inc"
     0};
 
@@ -42,9 +42,9 @@ static bool put_marker(FILE *file, const char *name, const cli_page *page)
         }
         fputs(" - rheolog report</title>\n", file);
     } else if (strcmp(name, "style") == 0) {
-        fprintf(file, "<style>\n%s</style>\n", style);
+        fprintf(file, "<style>\n%s</style>\n", (const char *)style);
     } else if (strcmp(name, "script") == 0) {
-        fprintf(file, "<script type=\"module\">\n%s</script>\n", script);
+        fprintf(file, "<script type=\"module\">\n%s</script>\n", (const char *)script);
     } else if (strcmp(name, "meta") == 0) {
         fputs("<script type=\"application/json\" id=\"report-meta\">\n", file);
         put_part(file, &page->meta);
@@ -67,7 +67,7 @@ uint64_t cli_page_template_size(void)
 void cli_page_write(FILE *file, const void *data)
 {
     static const char begin[] = "<!--@", end[] = "-->";
-    for (const char *line = template; *line;) {
+    for (const char *line = (const char *)template; *line;) {
         const char *next = strchr(line, '\n');
         const size_t length = next ? (size_t)(next - line) : strlen(line), least = strlen(begin) + strlen(end);
         char name[32] = "";

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L /* open_memstream() */
 #include "cli/report.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cure.h"
@@ -24,6 +25,10 @@ static int write_summary(cli_page *page)
     FILE *file = page->summary.file;
     fputs("<h1>", file);
     cli_page_put(file, page->f.name);
+    if (page->g.path) {
+        fputs(" and ", file);
+        cli_page_put(file, page->g.name);
+    }
     fprintf(file, "</h1>\n<p class=\"verdict %s\">", page->f.diagnosis.healthy ? "healthy" : "unhealthy");
     cli_page_put(file, page->f.diagnosis.why);
     fputs("</p>\n<dl>\n", file);
@@ -36,8 +41,8 @@ static int write_summary(cli_page *page)
     put_row(file, "steps", text);
     put_row(file, "made by", cli_made_text(info));
     put_row(file, "build", info->build);
-    cli_completeness(page->f.recording, text, sizeof text);
-    put_row(file, "end", text);
+    cli_ending_text(page->f.recording, text, sizeof text);
+    put_row(file, "ends", text);
     fputs("</dl>\n", file);
     return cli_page_end(&page->summary) ? CLI_DONE : cli_page_no_memory();
 }
@@ -108,10 +113,86 @@ static void put_advice(FILE *file, const cli_page *page)
     fputs(any ? "</ul>\n" : "", file);
 }
 
+/* ---- What to look at first ---- */
+
+/* The particle or spring that has a metric, by its metrics NAME_id, or of some others. -1: none. */
+static int64_t id_of(const cli_page_recording *f, uint64_t step, const char *name, bool second)
+{
+    static const char *const OTHERS[][3] = {
+        {"stiffness_number", "stiffness_a", "stiffness_b"},
+        {"max_density_error", "max_density_id", ""},
+    };
+    char own[64];
+    snprintf(own, sizeof own, "%s_id", name);
+    double id = second ? -1 : cli_page_metric(f, step, own);
+    for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++)
+        if (strcmp(OTHERS[i][0], name) == 0)
+            id = cli_page_metric(f, step, OTHERS[i][1 + second]);
+    return id >= 0 && id < UINT32_MAX ? (int64_t)id : -1;
+}
+
+/* The largest values in the step that the page looks at first, with their particles. */
+static void put_extremes(FILE *file, const cli_page *page)
+{
+    const cli_page_recording *f = &page->f;
+    const bool whole = page->focus[0] <= f->info.last_step;
+    const uint64_t step = whole ? page->focus[0] : f->info.last_step;
+    fputs("<h3>Look first</h3>\n<p>The view begins at ", file);
+    cli_page_put_link(file, page->focus[0], "", -1);
+    fprintf(file, "step %llu</a>, %s. ", (unsigned long long)page->focus[0], page->focus_reason);
+    fprintf(file, "The largest values %s step %llu:</p>\n<ul class=\"extremes\">\n", whole ? "in" : "before it, in",
+            (unsigned long long)step);
+    for (uint32_t i = 0; i < f->metrics; i++) {
+        const char *name = rheo_recording_metric_name(f->recording, i);
+        const int64_t id = id_of(f, step, name, false), other = id_of(f, step, name, true);
+        if (id < 0)
+            continue;
+        fprintf(file, "<li>%s ", name);
+        cli_page_put_number(file, cli_page_metric(f, step, name), 4);
+        fputs(other < 0 ? ", particle " : ", spring ", file);
+        cli_page_put_link(file, step, "", id);
+        fprintf(file, "%lld</a>", (long long)id);
+        if (other >= 0) {
+            fputs(":", file);
+            cli_page_put_link(file, step, "", other);
+            fprintf(file, "%lld</a>", (long long)other);
+        }
+        fputs("</li>\n", file);
+    }
+    fputs("</ul>\n", file);
+}
+
+/* What `rheolog check` says of the scene, if it can be made again. */
+static int put_warnings(FILE *file, const cli_page *page)
+{
+    enum { MOST = 32 };
+    rheo_scene scene;
+    rheo_error error = {""};
+    size_t count = 0;
+    if (page->f.info.first_step > 0 || !cli_recorded_scene(page->f.recording, &scene))
+        return CLI_DONE;
+    rheo_warning *warning = calloc(MOST, sizeof *warning);
+    const rheo_result result =
+        warning ? rheo_scene_warnings(&scene, warning, MOST, &count, &error) : RHEO_ERROR_MEMORY;
+    rheo_scene_release(&scene);
+    count = result != RHEO_OK ? 0 : count < MOST ? count : MOST;
+    if (count)
+        fputs("<h3>Likely mistakes in the scene</h3>\n<ul class=\"warnings\">\n", file);
+    for (size_t i = 0; i < count; i++) {
+        fputs("<li>", file);
+        cli_page_put(file, warning[i].text);
+        fputs("</li>\n", file);
+    }
+    if (count)
+        fputs("</ul>\n", file);
+    free(warning);
+    return result == RHEO_ERROR_MEMORY ? cli_page_no_memory() : CLI_DONE;
+}
+
 int cli_page_write_story(cli_page *page)
 {
     const rheo_diagnosis *d = &page->f.diagnosis;
-    const int status = write_summary(page);
+    int status = write_summary(page);
     if (status != CLI_DONE)
         return status;
     if (!cli_page_begin(&page->story))
@@ -129,32 +210,8 @@ int cli_page_write_story(cli_page *page)
         fputs("</ol>\n", file);
     }
     put_chain(file, &page->chain);
+    status = put_warnings(file, page);
     put_advice(file, page);
-    return cli_page_end(&page->story) ? CLI_DONE : cli_page_no_memory();
-}
-
-int cli_page_write_budget(cli_page *page)
-{
-    char text[32];
-    size_t frames = 0, stages = 0, details = 0;
-    for (size_t i = 0; i < page->frames; i++) {
-        frames += !page->frame[i].left_out;
-        stages += !page->frame[i].left_out && page->frame[i].stage[0];
-    }
-    for (size_t i = 0; i < page->details; i++)
-        details += !page->detail[i].left_out;
-    page->budget = (cli_page_text){0};
-    if (!cli_page_begin(&page->budget))
-        return cli_page_no_memory();
-    FILE *file = page->budget.file;
-    cli_bytes((double)page->max_bytes, text, sizeof text);
-    fprintf(
-        file,
-        "<p>This file may have %s (<code>--max-size</code>). It holds %zu ends of steps of %llu, %zu states within steps, "
-        "and exact values of %zu particles. Numbers are %s.</p>\n<p>The rest: ",
-        text, frames - stages, (unsigned long long)page->f.steps, stages, details,
-        page->exact ? "exact (float32)" : "rounded to 16 bits");
-    cli_page_put_command(file, "rheolog inspect", page->f.name, " --step N --particle P");
-    fputs("</p>\n", file);
-    return cli_page_end(&page->budget) ? CLI_DONE : cli_page_no_memory();
+    put_extremes(file, page);
+    return cli_page_end(&page->story) ? status : cli_page_no_memory();
 }
