@@ -94,7 +94,7 @@ class Browser:
             self.errors.append(" ".join(str(part.get("value", part)) for part in params["args"]))
         elif method == "Log.entryAdded" and params["entry"]["level"] in ("error", "warning"):
             self.errors.append(params["entry"]["text"])
-        elif method == "Network.requestWillBeSent":
+        elif method == "Network.requestWillBeSent" and params["request"]["url"] != "about:blank":
             self.requests.append(params["request"]["url"])
 
     def call(self, method, **params):
@@ -123,12 +123,13 @@ class Browser:
                   features=[{"name": name.replace("_", "-"), "value": value} for name, value in features.items()])
 
     def open(self, url):
-        """Opens an address and waits until the page is loaded and drawn."""
-        self.events.clear()
-        self.call("Page.navigate", url=url)
-        until = time.monotonic() + self.patience
-        while "Page.loadEventFired" not in self.events:
-            self.receive(until)
+        """Opens an address anew and waits until the page is loaded and drawn."""
+        for address in ("about:blank", url):  # another place of the same page would not load it again
+            self.events.clear()
+            self.call("Page.navigate", url=address)
+            until = time.monotonic() + self.patience
+            while "Page.loadEventFired" not in self.events:
+                self.receive(until)
         self.settle()
 
     def without_scripts(self):

@@ -1,6 +1,6 @@
 #!/bin/sh
-# format.sh SOURCE: checks that every C file in git is formatted by .clang-format, and that no file is too long: 500 lines in
-# src/, 800 in tests/ and bench/. Other versions than clang-format 14 format differently; without version 14 only the sizes are
+# format.sh SOURCE: checks that every C file in git is formatted by .clang-format, and that no file is too long, nor any script or
+# style of a page: 500 lines in src/, 800 in tests/ and bench/. Other versions than clang-format 14 format differently; without version 14 only the sizes are
 # checked. At the end the script proves that it notices each error.
 set -eu
 cd "$1"
@@ -24,7 +24,7 @@ sizes() { # sizes FILE...: prints the files that are too long
 # .def files are rows of macros, which clang-format cannot format.
 files=$(git ls-files '*.c' '*.h')
 # shellcheck disable=SC2086
-found=$(sizes $files $(git ls-files '*.def'))
+found=$(sizes $files $(git ls-files '*.def' '*.js' '*.css'))
 [ -z "$found" ] || { echo "$found"; exit 1; }
 mkdir -p "$scratch/src"
 yes '/* a line */' | head -n 501 >"$scratch/src/long.c"

@@ -6,7 +6,7 @@ set -eu
 cd "$1"
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-find src -name '*.c' -o -name '*.h' -o -name '*.def' -o -name '*.py' | sed 's/^src\///; s/\.[a-z]*$//' | sort -u >"$scratch/files"
+find src -name '*.c' -o -name '*.h' -o -name '*.def' -o -name '*.py' -o -name '*.js' -o -name '*.html' -o -name '*.css' | sed 's/^src\///; s/\.[a-z]*$//' | sort -u >"$scratch/files"
 
 differences() { # differences README: prints files that only one side has
     sed -n '/^## From source to test/,$p' "$1" | grep '^| `' | sed 's/ | .*//' | grep -o '`[^`]*`' | tr -d '`' | sort -u >"$scratch/map"

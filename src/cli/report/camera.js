@@ -72,6 +72,12 @@ class Camera {
         this.distance = Math.min(Math.max(this.distance * factor, this.radius / 50), this.radius * 20);
     }
 
+    /* Turns about a point from now on, at which it sees a ball of a radius. */
+    lookAt(point, radius) {
+        this.centre = point;
+        this.distance = radius / Math.sin(FIELD_OF_VIEW / 2);
+    }
+
     /* Depths of the nearest and the farthest corner of the box, for the cut. */
     depths() {
         const { box, centre } = this;

@@ -14,14 +14,14 @@ function play() {
         if (frameShown().step === steps.at(-1))
             pause();
     }, 1000 / FRAMES_PER_SECOND);
-    element("play").textContent = "❚❚ pause";
+    element("play").textContent = "\u275a\u275a pause";
     element("play").setAttribute("aria-label", "Pause");
 }
 
 function pause() {
     clearInterval(playing);
     playing = null;
-    element("play").textContent = "▶ play";
+    element("play").textContent = "\u25b6 play";
     element("play").setAttribute("aria-label", "Play");
 }
 
@@ -33,10 +33,10 @@ function resetView() {
     easeTo(() => view.camera.reset());
 }
 
-function centreParticle() {
-    const index = shown.particle === null ? -1 : indexOf(frameShown(), shown.particle);
-    if (index >= 0 && isFinitePoint(points, index))
-        easeTo(() => view.camera.centre = pointAt(index));
+/* At the picked particle, with a few spacings around it. */
+function lookCloser() {
+    if (isSeen())
+        easeTo(() => view.camera.lookAt(pointAt(shown.particle), 6 * meta.spacing));
 }
 
 /* Moves the camera to where `change` puts it: in a quarter of a second, or at once if the reader wants no motion. */
@@ -104,7 +104,7 @@ function listenToPointers(canvas) {
                 pickAt(event.clientX, event.clientY);
         });
     canvas.addEventListener("contextmenu", event => event.preventDefault());
-    canvas.addEventListener("dblclick", centreParticle);
+    canvas.addEventListener("dblclick", lookCloser);
     canvas.addEventListener("wheel", event => { // a page that is scrolled past the view does not zoom it
         if (document.activeElement !== canvas && !event.ctrlKey)
             return;
@@ -131,7 +131,7 @@ const KEYS = {
     "+": () => change(() => view.camera.zoom(1 / 1.2)),
     "=": () => change(() => view.camera.zoom(1 / 1.2)),
     "-": () => change(() => view.camera.zoom(1.2)),
-    c: centreParticle,
+    c: lookCloser,
     r: resetView,
     "?": () => element("keys").showModal(),
     "/": () => element("keys").showModal(),
@@ -208,11 +208,11 @@ function listenToControls() {
     on("particle", "change", () => {
         const id = numberOf(element("particle").value);
         pickParticle(id);
-        if (id !== null && indexOf(frameShown(), id) < 0)
+        if (id !== null && !isThere())
             say(`There is no particle ${id} in this frame; it has ${frameShown().particles}.`);
     });
     on("colour", "change", () => {
-        shown.quantity = Number(element("colour").value);
+        choose(Number(element("colour").value));
         update();
     });
     for (const id of ["range", "logarithmic", "alone"])
@@ -242,8 +242,8 @@ function beginning() {
 
 element("step").max = steps.length - 1;
 element("mark").disabled = !meta.marks.length;
-element("colour").append(...meta.quantities.map(({ label }, i) => make("option", { value: i }, label)));
-shown.quantity = Math.max(meta.quantities.findIndex(({ name }) => name === (meta.other ? "divergence" : "speed")), 0);
+element("colour").append(...meta.quantities.map(({ label, meaning }, i) => make("option", { value: i, title: meaning }, label)));
+choose(Math.max(meta.quantities.findIndex(({ name }) => name === (meta.other ? "divergence" : "speed")), 0));
 element("fallback").hidden = view.works;
 takeColours();
 addTicks();
@@ -262,14 +262,16 @@ window.rheologReport = {
     works: () => view.works,
     pick: pickAt, // at a point of the window; picks nothing beside the particles
     /* The particle picked: its position and values, as the panel has them. */
-    values: () => {
-        const index = shown.particle === null ? -1 : indexOf(frameShown(), shown.particle);
-        return index < 0 ? null : { position: pointAt(index), ...valuesOf(shown.frame, shown.particle) };
+    values: () => isThere() ? { position: pointAt(shown.particle), ...valuesOf(shown.frame, shown.particle) } : null,
+    /* The line of sight through a point of the window. */
+    ray: (x, y) => {
+        const box = element("canvas").getBoundingClientRect();
+        return view.ray(x - box.left, y - box.top);
     },
     /* Where a particle is in the window. */
     place: id => {
         const box = element("canvas").getBoundingClientRect();
-        const place = view.place(pointAt(indexOf(frameShown(), id)));
+        const place = view.place(pointAt(id));
         return { x: box.left + place.x, y: box.top + place.y };
     },
 };

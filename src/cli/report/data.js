@@ -26,9 +26,9 @@ function numbers(offset, count) {
     return meta.exact ? new Float32Array(part) : new Uint16Array(part);
 }
 
-/* Positions as x, y, z of each particle; NaN if not finite. */
+/* Positions as x, y, z of each particle; NaN if not finite. Rounded ones leave out those far from the others, which are listed. */
 function positions(frame) {
-    const { offset, box } = frame.position;
+    const { offset, box, far } = frame.position;
     const from = numbers(offset, 3 * frame.particles);
     if (meta.exact)
         return from;
@@ -37,6 +37,8 @@ function positions(frame) {
         const axis = i % 3;
         to[i] = from[i] === ABSENT ? NaN : box[axis] + from[i] / LARGEST * (box[axis + 3] - box[axis]);
     }
+    for (const [index, ...point] of far ?? [])
+        to.set(point, 3 * index);
     return to;
 }
 
@@ -51,6 +53,8 @@ function values(frame, quantity) {
     const to = new Float32Array(from.length);
     for (let i = 0; i < from.length; i++)
         to[i] = from[i] === ABSENT ? NaN : known.min + from[i] / LARGEST * (known.max - known.min);
+    for (const [index, number] of known.far ?? [])
+        to[index] = number;
     return to;
 }
 
@@ -59,24 +63,17 @@ function valueAt(frame, quantity, index) {
     const known = frame.values[quantity];
     if (!known)
         return NaN;
+    const far = known.far?.find(([other]) => other === index);
+    if (far)
+        return far[1];
     const size = meta.exact ? 4 : 2;
     const [number] = numbers(known.offset + size * index, 1);
     return meta.exact ? number : number === ABSENT ? NaN : known.min + number / LARGEST * (known.max - known.min);
 }
 
-/* Index of a particle in the arrays of a frame, -1 if it is not there; and back. */
-function indexOf(frame, id) {
-    if (!frame.ids)
-        return id >= 0 && id < frame.particles ? id : -1;
-    return idsOf(frame).indexOf(id);
-}
-
-function idOf(frame, index) {
-    return frame.ids ? idsOf(frame)[index] : index;
-}
-
-function idsOf(frame) {
-    return new Uint32Array(bytes.slice(frame.ids.offset, frame.ids.offset + 4 * frame.particles));
+/* Particles have the indices of their ids. Whether one is there: sources add some. */
+function hasParticle(frame, id) {
+    return id !== null && id >= 0 && id < frame.particles;
 }
 
 function isFinitePoint(array, index) {
@@ -105,7 +102,8 @@ function findFrame(step, stage) {
     const exact = choices.find(({ frame }) => frame.stage === stage);
     const wanted = exact ?? (stage === null ? choices.at(-1) :
         [...choices].reverse().find(({ frame }) => rank(frame) <= rank({ stage })) ?? choices[0]);
-    return { index: wanted.index, exact: known === step && !!exact };
+    const last = stage === null && wanted === choices.at(-1); // a step that failed has no end
+    return { index: wanted.index, exact: known === step && (!!exact || last) };
 }
 
 function timeOf(frame) {
@@ -126,6 +124,16 @@ function detailOf(frameIndex, id) {
     return details.get(frameIndex + ":" + id) ?? null;
 }
 
+/* The history ring of a particle. It changes at the end of a step only: in the middle of one it is that of the end of the step before. */
+function pastOf(frameIndex, id) {
+    for (let i = frameIndex; i >= 0 && meta.frames[i].step >= meta.frames[frameIndex].step - 1; i--) {
+        const past = detailOf(i, id)?.past;
+        if (past)
+            return { ...past, step: meta.frames[i].step };
+    }
+    return null;
+}
+
 /* ---- Text ---- */
 
 /* A number with at most so many significant digits, like %g of C. */
@@ -137,17 +145,17 @@ function brief(x, digits = 6) {
     if (x === 0)
         return "0";
     const size = Math.abs(x);
-    const text = size < 1e-4 || size >= 10 ** digits ? x.toExponential(digits - 1).replace(/\.?0+e/, "e") :
-        x.toPrecision(digits).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
-    return text.replace("-", "−");
+    const text = size < 1e-4 || size >= 1e6 ? x.toExponential(digits - 1).replace(/\.?0+e/, "e").replace("e+", "e") :
+        String(Number(x.toPrecision(digits)));
+    return text.replaceAll("-", "\u2212");
 }
 
-/* The unit in the units of the recording: L/T^2 becomes m/s² if the report says so. */
+/* A unit such as L/T^2 in the units of the recording, with small digits for powers. */
 function unitText(unit) {
     if (!unit || unit === "1")
         return "";
-    return unit.replace(/[A-Za-z]+/g, name => meta.units?.[{ L: "length", T: "time", M: "mass" }[name]] ?? name)
-        .replace(/\^(\d)(?!\d)/g, (all, digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
+    return unit.replace(/[A-Za-z]+/g, name => meta.units?.[{ L: "length", T: "time", M: "mass", K: "temperature" }[name]] ?? name)
+        .replace(/\^(\d)(?!\d)/g, (all, digit) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[digit]);
 }
 
 function withUnit(x, unit, digits) {

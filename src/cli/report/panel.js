@@ -13,15 +13,19 @@ function size(x) {
     return Number.isFinite(x) ? Math.abs(x) : Infinity; // what is not finite comes first
 }
 
+const COUNTS = ["neighbours", "springs", "material"]; // whole numbers, also if they were rounded to 16 bits
+
+/* Names that stand for the length of a vector. */
+const lengths = new Set(Object.keys(meta.details[0]?.values ?? {}).filter(name => name.endsWith(".x")).map(name => name.slice(0, -2)));
+
 /* The values of a particle in a frame by name, exact if the page has its details. */
 function valuesOf(frameIndex, id) {
     const frame = meta.frames[frameIndex];
-    const index = indexOf(frame, id);
     const detail = detailOf(frameIndex, id);
     const found = {};
     meta.quantities.forEach((quantity, i) => {
         if (frame.values[i])
-            found[quantity.name] = valueAt(frame, i, index);
+            found[quantity.name] = COUNTS.includes(quantity.name) ? Math.round(valueAt(frame, i, id)) : valueAt(frame, i, id);
     });
     return { ...found, ...detail?.values };
 }
@@ -31,14 +35,18 @@ function unitOf(name) {
         meta.detail_units?.[name.replace(/\.[xyz]$/, "")] ?? "";
 }
 
+function meaningOf(name) {
+    return meta.quantities.find(quantity => quantity.name === name || quantity.name === name + ".x")?.meaning ?? null;
+}
+
 function labelOf(name) {
     return meta.quantities.find(quantity => quantity.name === name)?.label ?? name.replaceAll("_", " ");
 }
 
 class Panel {
-    constructor(element, { pick, show, close }) {
+    constructor(element, { pick, show, near, close }) {
         this.element = element;
-        this.actions = { pick, show, close };
+        this.actions = { pick, show, near, close };
         this.open = new Set(); // folded parts that the reader has opened
     }
 
@@ -58,7 +66,10 @@ class Panel {
             make("div", { class: "panel-head" },
                 make("h2", { tabindex: -1, "data-name": "title" }, `Particle ${id}`),
                 make("span", {}, `step ${frame.step}, ${frame.stage ? "after stage " + frame.stage : "end"}`),
-                make("button", { type: "button", "data-name": "close", "aria-label": "Close: pick nothing", onclick: actions.close }, "×")),
+                point && view.works ? make("button", { type: "button", "data-name": "near", title: "Look at it from near (c)", onclick: actions.near },
+                    "look closer") : "",
+                make("button", { type: "button", class: "close", "data-name": "close", "aria-label": "Close: pick nothing", onclick: actions.close },
+                    "\u00d7")),
             ...(point ? this.parts({ frameIndex, frame, id, point, quantity, logarithmic }) :
                 [make("p", {}, "This particle is not there in this frame.")]));
         element.scrollTop = scrollTop;
@@ -76,7 +87,7 @@ class Panel {
         return [
             this.valueTable(frameIndex, id, point, detail),
             this.overTime(frame, id, quantity, logarithmic),
-            detail ? this.past(detail) : null,
+            this.past(frameIndex, id),
             detail ? this.springTable(detail) : null,
             this.command(frame, id, detail),
         ].filter(part => part);
@@ -86,20 +97,21 @@ class Panel {
     valueTable(frameIndex, id, point, detail) {
         const all = valuesOf(frameIndex, id);
         const rows = new Map();
-        if (!("position.x" in all))
-            rows.set("position", { numbers: point, unit: "L" });
+        rows.set("position", { numbers: "position.x" in all ? ["x", "y", "z"].map(axis => all["position." + axis]) : point, unit: "L" });
         for (const [name, number] of Object.entries(all)) {
-            const [, base, axis] = name.match(/^(.*)\.([xyz])$/) ?? [null, name, null];
+            const [, base, axis] = name.match(/^(.*)\.([xyz])$/) ?? [null, lengths.has(name) ? `|${name}|` : name, null];
+            if (base === "position")
+                continue;
             if (!rows.has(base))
                 rows.set(base, { numbers: [], unit: unitOf(name) });
             rows.get(base).numbers.push(number);
-            rows.get(base).vector ||= axis !== null;
         }
         const rounded = !meta.exact && !detail;
-        return make("div", {},
+        return make("div", { class: "scroll" },
             make("table", { class: "values" }, make("tbody", {}, [...rows].map(([name, { numbers, unit }]) => make("tr", {},
-                make("th", { scope: "row" }, labelOf(name)),
-                make("td", { class: numbers.every(Number.isFinite) ? null : "bad" }, numbers.map(x => brief(x)).join(", ")),
+                make("th", { scope: "row", title: meaningOf(name) }, labelOf(name)),
+                make("td", { class: numbers.every(Number.isFinite) ? null : "bad" }, name === "material" && meta.materials?.[numbers[0]] ||
+                    numbers.map(x => brief(x)).join(", ")),
                 make("td", {}, unitText(unit)))))),
             rounded ? make("p", { class: "small" }, "Rounded to 1/65534 of the range of the frame.") : null);
     }
@@ -109,9 +121,8 @@ class Panel {
         const x = [], y = [];
         for (const other of meta.frames)
             if (other.stage === null && other.values[quantity]) {
-                const index = indexOf(other, id);
                 x.push(other.step);
-                y.push(index < 0 ? NaN : valueAt(other, quantity, index));
+                y.push(hasParticle(other, id) ? valueAt(other, quantity, id) : NaN);
             }
         if (x.length < 2)
             return null;
@@ -124,10 +135,11 @@ class Panel {
     }
 
     /* The velocities that the particle remembers, the newest at age 0. */
-    past(detail) {
-        if (!detail.past)
+    past(frameIndex, id) {
+        const past = pastOf(frameIndex, id);
+        if (!past)
             return null;
-        const { age, velocity } = detail.past;
+        const { age, velocity, rows, step } = past;
         const curves = [
             { name: "|v|", x: age, y: velocity.map(v => Math.hypot(...v)) },
             ...["x", "y", "z"].map((axis, i) => ({ name: `v.${axis}`, x: age, y: velocity.map(v => v[i]) })),
@@ -135,8 +147,8 @@ class Panel {
         const unitPart = unitText("L/T") ? ", " + unitText("L/T") : "";
         const agePart = unitText("T") ? ", " + unitText("T") : "";
         return make("figure", {},
-            make("h3", {}, "History ring"),
-            plot({ label: `Velocities that particle ${detail.particle} remembers`, xLabel: "age" + agePart, yLabel: "velocity" + unitPart, curves }),
+            make("h3", {}, `History ring at the end of step ${step}` + (rows > age.length ? `, ${age.length} of ${rows} rows` : "")),
+            plot({ label: `Velocities that particle ${id} remembers`, xLabel: "age" + agePart, yLabel: "velocity" + unitPart, curves }),
             legend(curves),
             dataTable("Velocities in the history ring", [{ name: "age", values: age }, ...curves.map(({ name, y }) => ({ name, values: y }))]));
     }

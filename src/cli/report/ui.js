@@ -9,7 +9,7 @@ const FRAMES_PER_SECOND = 8;
 
 document.documentElement.classList.add("scripted");
 const view = new View(element("canvas"), meta.box);
-const panel = new Panel(element("panel"), { pick: pickParticle, show: step => goTo(step, null), close: () => pickParticle(null) });
+const panel = new Panel(element("panel"), { pick: pickParticle, show: step => goTo(step, null), near: lookCloser, close: () => pickParticle(null) });
 
 /* What is shown. */
 const shown = { frame: 0, particle: null, quantity: 0 };
@@ -19,6 +19,8 @@ let playing = null;
 
 const frameShown = () => meta.frames[shown.frame];
 const quantityShown = () => meta.quantities[shown.quantity];
+const isThere = () => hasParticle(frameShown(), shown.particle); // the particle picked
+const isSeen = () => isThere() && isFinitePoint(points, shown.particle);
 
 /* ---- Address ---- */
 
@@ -26,8 +28,8 @@ const quantityShown = () => meta.quantities[shown.quantity];
 function obeyAddress() {
     const wanted = new URLSearchParams(location.hash.slice(1));
     const quantity = meta.quantities.findIndex(({ name }) => name === wanted.get("colour"));
-    if (quantity >= 0)
-        shown.quantity = quantity;
+    if (quantity >= 0 && quantity !== shown.quantity)
+        choose(quantity);
     if (wanted.has("particle"))
         shown.particle = numberOf(wanted.get("particle"));
     const step = numberOf(wanted.get("step"));
@@ -111,17 +113,37 @@ function pickLargest() {
             best < 0 || numbersShown[i] > numbersShown[best])
             best = i; // a number that is not finite is the largest
     if (best >= 0)
-        pickParticle(idOf(frameShown(), best));
+        pickParticle(best);
 }
 
 function pickAt(clientX, clientY) {
     const box = element("canvas").getBoundingClientRect();
     const index = view.pick(clientX - box.left, clientY - box.top);
-    pickParticle(index < 0 ? null : idOf(frameShown(), index));
+    pickParticle(index < 0 ? null : index);
     return shown.particle;
 }
 
 /* ---- Colours ---- */
+
+/* The largest values of a quantity in the frames, ascending. */
+function maxima(quantity) {
+    return meta.frames.map(frame => frame.values[quantity]?.max).filter(Number.isFinite).sort((a, b) => a - b);
+}
+
+function leastMaximum(quantity) {
+    return maxima(quantity).find(max => max > 0) ?? 0;
+}
+
+/* Whether a few frames have so large values that all others would have one colour. */
+function isSpread(quantity) {
+    const all = maxima(quantity), { min, max } = meta.quantities[quantity];
+    return min >= 0 && all.length > 0 && max > 10 * all[all.length >> 1];
+}
+
+function choose(quantity) {
+    shown.quantity = quantity;
+    element("logarithmic").checked = meta.quantities[quantity].name === "divergence" || isSpread(quantity);
+}
 
 /* The range of the scale, and the function from numbers to 0..1 along it; -1: not finite. */
 function scaleOf() {
@@ -133,7 +155,7 @@ function scaleOf() {
     }
     const logarithmic = element("logarithmic").checked && max > 0;
     if (logarithmic)
-        min = Math.max(min, max * 1e-6);
+        min = Math.max(min, Math.min(leastMaximum(shown.quantity) / 10, max / 10), max * 1e-9);
     const width = logarithmic ? Math.log(max / min) : max - min;
     const place = x => !Number.isFinite(x) ? -1 : width > 0 ?
         Math.min(Math.max(logarithmic ? Math.log(Math.max(x, min) / min) / width : (x - min) / width, 0), 1) : 0.5;
@@ -146,8 +168,7 @@ function showScale({ min, max, logarithmic, place }) {
     element("scale-title").textContent = label + (unitText(unit) ? ", " + unitText(unit) : "");
     element("scale-bar").style.background = viridisGradient();
     element("scale-numbers").replaceChildren(...[min, middle, max].map(x => make("span", {}, brief(x, 3))));
-    const index = shown.particle === null ? -1 : indexOf(frameShown(), shown.particle);
-    const t = index >= 0 && numbersShown ? place(numbersShown[index]) : -1;
+    const t = isThere() && numbersShown ? place(numbersShown[shown.particle]) : -1;
     element("scale-mark").hidden = t < 0;
     element("scale-mark").style.left = `${100 * t}%`;
 }
@@ -174,7 +195,7 @@ function update() {
     if (loaded.frame !== shown.frame || loaded.quantity !== shown.quantity)
         numbersShown = values(frame, shown.quantity);
     loaded = { ...shown };
-    say(marksHere().map(mark => mark.text).join(" · "));
+    say(marksHere().map(mark => mark.text).join(" \u00b7 "));
     showFrame();
     showTime();
     showPanel();
@@ -185,18 +206,16 @@ function update() {
 function showFrame() {
     const frame = frameShown();
     const scale = scaleOf();
-    const index = shown.particle === null ? -1 : indexOf(frame, shown.particle);
-    const springs = index < 0 ? [] : springsOf(detailOf(shown.frame, shown.particle));
+    const springs = isThere() ? springsOf(detailOf(shown.frame, shown.particle)) : [];
     const alone = element("alone").checked && springs.length > 0;
     const masks = new Uint8Array(frame.particles).fill(alone ? HIDDEN : SHOWN);
-    const partners = springs.map(spring => indexOf(frame, spring.other)).map(partner => partner < 0 ? index : partner);
-    for (const partner of partners)
-        masks[partner] = PARTNER;
-    if (index >= 0)
-        masks[index] = PICKED;
+    for (const spring of springs)
+        masks[spring.other] = PARTNER;
+    if (isThere())
+        masks[shown.particle] = PICKED;
     const shades = numbersShown ? Float32Array.from(numbersShown, scale.place) : new Float32Array(frame.particles).fill(-1);
     view.setFrame({ positions: points, shades, masks, balls: frame.balls ?? [] });
-    view.setLines([...vibratorLines(), ...springLines(springs, index, partners)]);
+    view.setLines([...vibratorLines(), ...springLines(springs)]);
     showScale(scale);
     const lost = countLost();
     element("absent").hidden = !lost && !!numbersShown;
@@ -215,10 +234,10 @@ function countLost() {
 const pointAt = index => Array.from(points.subarray(3 * index, 3 * index + 3));
 
 /* Longer springs than at rest in one colour, shorter ones in another; the most stretched are the least transparent. */
-function springLines(springs, index, partners) {
+function springLines(springs) {
     const most = size(springs[0]?.stretch) || 1;
     const colours = { long: styleColour("--stretched"), short: styleColour("--pressed") };
-    return springs.map((spring, i) => ({ spring, from: pointAt(index), to: pointAt(partners[i]) }))
+    return springs.map(spring => ({ spring, from: pointAt(shown.particle), to: pointAt(spring.other) }))
         .filter(({ spring, from, to }) => Math.hypot(...add(from, scaled(to, -1))) < 2 * spring.length) // else it crosses a border
         .map(({ spring, from, to }) => ({ from, to, tint: [...(spring.stretch > 0 ? colours.long : colours.short),
             0.35 + 0.65 * Math.min(size(spring.stretch) / most, 1)] }));
@@ -248,8 +267,7 @@ function redraw() {
 
 /* A ring around the picked particle, also if others hide it. */
 function showMarker() {
-    const index = shown.particle === null ? -1 : indexOf(frameShown(), shown.particle);
-    const place = view.works && index >= 0 && isFinitePoint(points, index) ? view.place(pointAt(index)) : null;
+    const place = view.works && isSeen() ? view.place(pointAt(shown.particle)) : null;
     element("marker").hidden = !place;
     if (place) {
         element("marker").style.transform = `translate(${place.x}px, ${place.y}px)`;
@@ -261,7 +279,7 @@ function showTime() {
     const frame = frameShown();
     const place = steps.indexOf(frame.step);
     const choices = framesOf(frame.step);
-    const text = `${frame.step} of ${meta.steps}`;
+    const text = `${frame.step} of ${meta.steps}${frame.step > meta.steps ? ", failed" : ""}`;
     element("step").value = place;
     element("step").setAttribute("aria-valuetext", `step ${text}`);
     element("step-text").textContent = `${text}, ${withUnit(timeOf(frame), "T", 4)}`;
@@ -292,8 +310,7 @@ function showPanel() {
     if (shown.particle === null) {
         panel.hide();
     } else {
-        const index = indexOf(frameShown(), shown.particle);
-        panel.show({ frameIndex: shown.frame, id: shown.particle, point: index < 0 ? null : pointAt(index), quantity: shown.quantity,
+        panel.show({ frameIndex: shown.frame, id: shown.particle, point: isThere() ? pointAt(shown.particle) : null, quantity: shown.quantity,
             logarithmic: element("logarithmic").checked });
     }
     if (document.activeElement !== element("particle"))

@@ -297,6 +297,16 @@ class View {
         return (pixel[0] | pixel[1] << 8 | pixel[2] << 16) - 1;
     }
 
+    /* The line of sight through a point of the canvas in CSS pixels, from the eye. */
+    ray(x, y) {
+        const { camera, canvas } = this;
+        const { back, right, up } = camera.directions();
+        const high = Math.tan(FIELD_OF_VIEW / 2) * Math.max(1, canvas.clientHeight / canvas.clientWidth);
+        const wide = high * canvas.clientWidth / canvas.clientHeight;
+        const across = (2 * x / canvas.clientWidth - 1) * wide, over = (1 - 2 * y / canvas.clientHeight) * high;
+        return { eye: camera.eye(), direction: unit(add(add(scaled(right, across), scaled(up, over)), scaled(back, -1))) };
+    }
+
     /* Where a point of the world is on the canvas, in CSS pixels; null if it is behind the eye. */
     place(point) {
         const { view, projection } = this.matrices();
