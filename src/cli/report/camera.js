@@ -78,6 +78,13 @@ class Camera {
         this.distance = radius / Math.sin(FIELD_OF_VIEW / 2);
     }
 
+    /* Where the depth of a point, less a margin, is between the nearest and the farthest corner of the box. */
+    part(point, margin) {
+        const [near, far] = this.depths();
+        const depth = dot(this.directions().back, add(this.eye(), scaled(point, -1)));
+        return (depth - margin - near) / (far - near);
+    }
+
     /* Depths of the nearest and the farthest corner of the box, for the cut. */
     depths() {
         const { box, centre } = this;

@@ -30,24 +30,34 @@ const moveStep = by => goToPlace(placeOf(frameShown().step) + by);
 /* ---- The camera ---- */
 
 function resetView() {
+    cutAt(0);
     easeTo(() => view.camera.reset());
 }
 
-/* At the picked particle, with a few spacings around it. */
+/* At the picked particle with a few spacings around it. What is in front of it is cut away. */
 function lookCloser() {
-    if (isSeen())
-        easeTo(() => view.camera.lookAt(pointAt(shown.particle), 6 * meta.spacing));
+    if (!isSeen())
+        return;
+    const point = pointAt(shown.particle);
+    easeTo(() => view.camera.lookAt(point, 6 * meta.spacing), () => cutAt(view.camera.part(point, 0.75 * meta.spacing)));
 }
 
-/* Moves the camera to where `change` puts it: in a quarter of a second, or at once if the reader wants no motion. */
-function easeTo(change) {
+/* A part of the depth from 0 to 1. */
+function cutAt(part) {
+    view.cut = Math.min(Math.max(part, 0), 0.99);
+    element("cut").value = 100 * view.cut;
+    redraw();
+}
+
+/* Moves the camera to where `change` puts it: in a quarter of a second, or at once if the reader wants no motion. Calls `then`. */
+function easeTo(change, then = redraw) {
     const { camera } = view;
     const state = () => [...camera.centre, camera.azimuth, camera.elevation, camera.distance];
     const from = state();
     change();
     const to = state();
     if (quiet.matches)
-        return redraw();
+        return then();
     const begin = performance.now();
     const move = now => {
         const part = Math.min((now - begin) / 250, 1);
@@ -57,6 +67,8 @@ function easeTo(change) {
         redraw();
         if (part < 1)
             requestAnimationFrame(move);
+        else
+            then();
     };
     requestAnimationFrame(move);
 }
@@ -145,6 +157,8 @@ const TURNS = {
 
 /* Keys that the focused control needs itself are its own. */
 function isOwn(target, key) {
+    if (!(target instanceof Element))
+        return false;
     if (target.matches("input[type=number], select, textarea"))
         return key !== "Escape";
     if (target.matches("input[type=range]"))
@@ -217,7 +231,7 @@ function listenToControls() {
     });
     for (const id of ["range", "logarithmic", "alone"])
         on(id, "change", update);
-    on("cut", "input", () => change(() => view.cut = Number(element("cut").value) / 101));
+    on("cut", "input", () => cutAt(Number(element("cut").value) / 100));
     dark.addEventListener("change", () => {
         takeColours();
         update();
@@ -241,6 +255,7 @@ function beginning() {
 }
 
 element("step").max = steps.length - 1;
+element("alone").closest("label").hidden = !meta.details.some(detail => detail.springs?.length);
 element("mark").disabled = !meta.marks.length;
 element("colour").append(...meta.quantities.map(({ label, meaning }, i) => make("option", { value: i, title: meaning }, label)));
 choose(Math.max(meta.quantities.findIndex(({ name }) => name === (meta.other ? "divergence" : "speed")), 0));

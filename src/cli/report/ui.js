@@ -65,11 +65,19 @@ function goTo(step, stage) {
     const { index, exact } = findFrame(step, stage);
     shown.frame = index;
     update();
-    if (!exact) {
-        const { step: found, stage: after } = frameShown();
-        say(`The page holds no frame of step ${step}${stage ? " after " + stage : ""}. This is step ${found}${after ? " after " + after : ""}; ` +
-            `for the other: rheolog inspect ${meta.name} --step ${step}${stage ? " --stage " + stage : ""}`);
-    }
+    if (!exact)
+        sayOther(step, stage);
+}
+
+/* What is shown instead of the frame wanted. */
+function sayOther(step, stage) {
+    const { step: found, stage: after } = frameShown();
+    const here = `This is step ${found}${after ? " after " + after : ""}`;
+    if (step > meta.steps)
+        say(`Step ${step} failed${stage ? " in " + stage : ""}, which left no state. ${here}.`);
+    else
+        say(`The page holds no frame of step ${step}${stage ? " after " + stage : ""}. ${here}; for the other: ` +
+            `rheolog inspect ${meta.name} --step ${step}${stage ? " --stage " + stage : ""}`);
 }
 
 function goToPlace(place) {
@@ -208,6 +216,7 @@ function showFrame() {
     const scale = scaleOf();
     const springs = isThere() ? springsOf(detailOf(shown.frame, shown.particle)) : [];
     const alone = element("alone").checked && springs.length > 0;
+    element("alone").disabled = springs.length === 0;
     const masks = new Uint8Array(frame.particles).fill(alone ? HIDDEN : SHOWN);
     for (const spring of springs)
         masks[spring.other] = PARTNER;
@@ -279,7 +288,7 @@ function showTime() {
     const frame = frameShown();
     const place = steps.indexOf(frame.step);
     const choices = framesOf(frame.step);
-    const text = `${frame.step} of ${meta.steps}${frame.step > meta.steps ? ", failed" : ""}`;
+    const text = frame.step > meta.steps ? `${frame.step}, which failed` : `${frame.step} of ${meta.steps}`;
     element("step").value = place;
     element("step").setAttribute("aria-valuetext", `step ${text}`);
     element("step-text").textContent = `${text}, ${withUnit(timeOf(frame), "T", 4)}`;
