@@ -10,8 +10,8 @@ import tempfile
 import time
 
 FLAGS = ["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
-         "--no-first-run", "--disable-extensions", "--disable-background-networking", "--disable-component-update",
-         "--disable-sync", "--remote-debugging-pipe"]
+         "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions", "--disable-background-networking",
+         "--disable-component-update", "--disable-sync", "--remote-debugging-pipe"]
 
 
 def program():

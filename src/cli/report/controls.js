@@ -248,8 +248,10 @@ function listenToControls() {
 
 /* ---- Begin ---- */
 
-/* Without an address: the first sign of something wrong, or the first step. */
+/* Without an address: where the story says that it begins, or at the first sign of something wrong, or at the first step. */
 function beginning() {
+    if (meta.begin)
+        return meta.begin;
     const found = ["difference", "sign", "failure"].map(kind => meta.marks.find(mark => mark.kind === kind)).filter(mark => mark);
     return found.sort((a, b) => a.step - b.step)[0] ?? { step: steps[0], stage: null, particle: null };
 }

@@ -13,7 +13,10 @@ function size(x) {
     return Number.isFinite(x) ? Math.abs(x) : Infinity; // what is not finite comes first
 }
 
-const COUNTS = ["neighbours", "springs", "material"]; // whole numbers, also if they were rounded to 16 bits
+/* Rounding to 16 bits makes 23.0002 of a number of neighbours. */
+function wholeIfCount(quantity, number) {
+    return quantity.count ? Math.round(number) : number;
+}
 
 /* Names that stand for the length of a vector. */
 const lengths = new Set(Object.keys(meta.details[0]?.values ?? {}).filter(name => name.endsWith(".x")).map(name => name.slice(0, -2)));
@@ -25,7 +28,7 @@ function valuesOf(frameIndex, id) {
     const found = {};
     meta.quantities.forEach((quantity, i) => {
         if (frame.values[i])
-            found[quantity.name] = COUNTS.includes(quantity.name) ? Math.round(valueAt(frame, i, id)) : valueAt(frame, i, id);
+            found[quantity.name] = wholeIfCount(quantity, valueAt(frame, i, id));
     });
     return { ...found, ...detail?.values };
 }

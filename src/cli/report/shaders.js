@@ -134,7 +134,7 @@ void main() {
     attributes: ["corner"],
 };
 
-/* Lines of a width in pixels: springs and marks. The third coordinate of a corner is the end. */
+/* Lines of a width in pixels, with soft edges: springs and marks. The first coordinate of a corner is the end of the line. */
 const LINES = {
     vertex: HEADER + `
 in vec2 corner;
@@ -143,7 +143,9 @@ in vec4 tint;
 uniform vec2 pixel; // size of a pixel in clip space
 uniform float width;
 out vec4 shade;
+out float side;
 void main() {
+    side = corner.y;
     vec4 a = projection * view * vec4(from, 1), b = projection * view * vec4(to, 1);
     vec2 along = normalize((b.xy / b.w - a.xy / a.w) / pixel + vec2(1e-6, 0));
     vec4 end = corner.x < 0.0 ? a : b;
@@ -153,8 +155,12 @@ void main() {
 }`,
     fragment: HEADER + `
 in vec4 shade;
+in float side;
 out vec4 colour;
-void main() { colour = vec4(shade.rgb * shade.a, shade.a); }`,
+void main() {
+    float alpha = shade.a * (1.0 - smoothstep(0.5, 1.0, abs(side)));
+    colour = vec4(shade.rgb * alpha, alpha);
+}`,
     attributes: ["corner", "from", "to", "tint"],
 };
 

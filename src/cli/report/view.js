@@ -9,7 +9,7 @@ class View {
         this.canvas = canvas;
         this.camera = new Camera(box);
         this.cut = 0; // part of the depth that is cut away
-        this.gl = canvas.getContext("webgl2", { alpha: true, antialias: true, depth: true, premultipliedAlpha: true });
+        this.gl = canvas.getContext("webgl2", { alpha: true, antialias: false, depth: true, premultipliedAlpha: true });
         this.works = !!this.gl;
         if (!this.works)
             return;
@@ -256,7 +256,7 @@ class View {
         const uniform = this.use("lines");
         gl.disable(gl.DEPTH_TEST);
         gl.uniform2fv(uniform("pixel"), [2 / canvas.width, 2 / canvas.height]);
-        gl.uniform1f(uniform("width"), 3 * this.ratio);
+        gl.uniform1f(uniform("width"), 4 * this.ratio);
         gl.bindVertexArray(this.arrays.lines);
         gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.lineCount);
         gl.bindVertexArray(null);
