@@ -86,7 +86,7 @@ const WIDTH = 460, HEIGHT = 190, LEFT = 62, RIGHT = 10, TOP = 12, BOTTOM = 36;
 function plot({ label, xLabel, yLabel, curves, logarithmic = false, at = null, onpick = null }) {
     const wide = WIDTH - LEFT - RIGHT, high = HEIGHT - TOP - BOTTOM;
     const xAxis = axisOf(curves.flatMap(curve => curve.x), false, 6);
-    const yAxis = axisOf(curves.flatMap(curve => curve.y), logarithmic, 4);
+    const yAxis = axisOf(curves.flatMap(curve => curve.y), logarithmic, 5);
     const toX = x => LEFT + wide * xAxis.place(x), toY = y => TOP + high * (1 - yAxis.place(y));
     const svg = draw("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": label, class: "plot" });
     for (const y of yAxis.ticks)

@@ -42,11 +42,21 @@ function positions(frame) {
     return to;
 }
 
+/* Coordinates are quantities, too. */
+["x", "y", "z"].forEach((name, axis) => {
+    meta.quantities.push({ name: `position.${name}`, label: `position.${name}`, unit: "L", meaning: "coordinate", min: meta.box[axis],
+        max: meta.box[axis + 3] });
+    for (const frame of meta.frames)
+        frame.values.push({ axis });
+});
+
 /* The values of a quantity, one for each particle; null if the frame does not have them. */
 function values(frame, quantity) {
     const known = frame.values[quantity];
     if (!known)
         return null;
+    if (known.axis !== undefined)
+        return positions(frame).filter((_, i) => i % 3 === known.axis);
     const from = numbers(known.offset, frame.particles);
     if (meta.exact)
         return from;
@@ -63,17 +73,23 @@ function valueAt(frame, quantity, index) {
     const known = frame.values[quantity];
     if (!known)
         return NaN;
-    const far = known.far?.find(([other]) => other === index);
-    if (far)
-        return far[1];
-    const size = meta.exact ? 4 : 2;
-    const [number] = numbers(known.offset + size * index, 1);
-    return meta.exact ? number : number === ABSENT ? NaN : known.min + number / LARGEST * (known.max - known.min);
+    const { offset, min, max, far, place } = known.axis === undefined ? { ...known, place: index } : coordinate(frame, known.axis, index);
+    const exact = far?.find(([other]) => other === index);
+    if (exact)
+        return exact[1 + (known.axis ?? 0)];
+    const [number] = numbers(offset + (meta.exact ? 4 : 2) * place, 1);
+    return meta.exact ? number : number === ABSENT ? NaN : min + number / LARGEST * (max - min);
 }
 
 /* Particles have the indices of their ids. Whether one is there: sources add some. */
 function hasParticle(frame, id) {
     return id !== null && id >= 0 && id < frame.particles;
+}
+
+/* How a coordinate of a particle is stored. */
+function coordinate(frame, axis, index) {
+    const { offset, box, far } = frame.position;
+    return { offset, far, place: 3 * index + axis, min: box?.[axis], max: box?.[axis + 3] };
 }
 
 function isFinitePoint(array, index) {
