@@ -1,5 +1,5 @@
 #!/bin/sh
-# report.sh SOURCE RHEOLOG: opens pages that `rheolog report` made in Chromium, uses them as a reader does, and compares what they show
+# report.sh SOURCE RHEOLOG [PROPERTY...]: opens pages that `rheolog report` made in Chromium, uses them as a reader does, and compares what they show
 # with `rheolog inspect`. Skipped without Chromium.
 set -eu
 source=$(realpath "$1") rheolog=$(realpath "$2")
@@ -19,4 +19,5 @@ scene='bowling-ball-small --set scheme=sequential --set particles=600'
 } >/dev/null 2>&1
 "$rheolog" report bad.rlog -o bad.html --quiet >/dev/null
 "$rheolog" report base.rlog other.rlog -o both.html --quiet --max-size 2M >/dev/null
-python3 "$source/tests/report_page.py" "$rheolog"
+shift 2
+python3 "$source/tests/report_page.py" "$rheolog" "$@"

@@ -1,6 +1,6 @@
 """
-report_page.py RHEOLOG: the pages bad.html (of bad.rlog, exact numbers) and both.html (of base.rlog and other.rlog, rounded numbers) in
-Chromium, against the program. See report.sh.
+report_page.py RHEOLOG [PROPERTY...]: the pages bad.html (of bad.rlog, exact numbers) and both.html (of base.rlog and other.rlog,
+rounded numbers) in Chromium, against the program. See report.sh.
 """
 import json
 import math
@@ -14,11 +14,11 @@ from browser import Browser
 
 RHEOLOG = sys.argv[1]
 REPORT = "window.rheologReport"
-done = []
+proofs = []
 
 
 def proves(function):
-    done.append(function)
+    proofs.append(function)
     return function
 
 
@@ -136,7 +136,8 @@ def the_page_begins_at_the_first_sign(browser):
     same("number of springs", len(rows), len(most))
     past = [row["velocity"] for row in said["history"]]
     rows = browser.run('''[...[...document.querySelectorAll("#panel details")].find(part => part.textContent.includes("history"))
-        .querySelectorAll("tbody tr")].map(row => [2, 3, 4].map(i => Number(row.cells[i].textContent.replaceAll("\u2212", "-"))))''')
+        .querySelectorAll("tbody tr")].map(row =>
+            [2, 3, 4].map(i => Number(row.cells[i].textContent.replaceAll("\u2212", "-"))))''')
     for seen, wanted in zip(rows, past, strict=True):
         near("velocity in the history ring", seen, wanted, 1e-5 * math.hypot(*wanted) + 1e-12)
     clean(browser, "bad.html")
@@ -335,7 +336,8 @@ CONTRASTS = r"""
         const over = [];
         for (; element; element = element.parentElement)
             over.push(rgba(getComputedStyle(element).backgroundColor));
-        return over.reverse().reduce((below, [r, g, b, a]) => [r, g, b].map((x, i) => (x * a + below[i] * (255 - a)) / 255), [255, 255, 255]);
+        return over.reverse().reduce((below, [r, g, b, a]) =>
+            [r, g, b].map((x, i) => (x * a + below[i] * (255 - a)) / 255), [255, 255, 255]);
     };
     const light = rgb => rgb.map(x => x / 255).map(x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4)
         .reduce((sum, x, i) => sum + x * [0.2126, 0.7152, 0.0722][i], 0);
@@ -343,11 +345,12 @@ CONTRASTS = r"""
     let texts = 0;
     for (const element of document.querySelectorAll("body *")) {
         const text = [...element.childNodes].filter(node => node.nodeType === 3).map(node => node.data.trim()).join("");
-        if (!text || element.closest("script, noscript, option, [hidden]") || element.matches(":disabled") || !element.getClientRects().length ||
-            element.closest("section:not(.panel) svg"))
+        if (!text || element.closest("script, noscript, option, [hidden], section:not(.panel) svg") ||
+            element.matches(":disabled") || !element.getClientRects().length)
             continue;
         const style = getComputedStyle(element);
-        const front = light(rgba(element instanceof SVGElement ? style.fill : style.color).slice(0, 3)), back = light(ground(element));
+        const front = light(rgba(element instanceof SVGElement ? style.fill : style.color).slice(0, 3));
+        const back = light(ground(element));
         const contrast = (Math.max(front, back) + 0.05) / (Math.min(front, back) + 0.05);
         texts++;
         if (contrast < 4.5)
@@ -433,14 +436,14 @@ def without_scripts_the_story_is_there(browser):
     text = browser.run("document.body.innerText")
     doctor = subprocess.run([RHEOLOG, "doctor", "bad.rlog", "--json"], capture_output=True, check=False)
     verdict = json.loads(doctor.stdout)
-    for words in ("What happened", "Metrics", "Commands", "history.stiffness", str(verdict["step"]), "has no view of the particles"):
+    for words in ("What happened", "Metrics", "Commands", "history.stiffness", str(verdict["step"]), "no view of the particles"):
         if words not in text:
             raise AssertionError(f"the page without scripts does not say {words}")
     same("controls without scripts", browser.run('document.getElementById("view").checkVisibility()'), False)
 
 
 with Browser(1024, 640) as chromium:
-    for proof in done:
+    for proof in (proof for proof in proofs if not sys.argv[2:] or proof.__name__ in sys.argv[2:]):
         begin = time.monotonic()
         chromium.requests.clear()
         chromium.errors.clear()

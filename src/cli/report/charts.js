@@ -104,15 +104,16 @@ function plot({ label, xLabel, yLabel, curves, logarithmic = false, at = null, o
         if (curve.x.length <= 60)
             curve.x.forEach((x, i) => {
                 if (Number.isFinite(toY(curve.y[i])))
-                    svg.append(draw("circle", { class: `point look${look}`, cx: toX(x).toFixed(1), cy: toY(curve.y[i]).toFixed(1), r: 1.8 }));
+                    svg.append(draw("circle", { class: `point look${look}`, cx: toX(x).toFixed(1),
+                        cy: toY(curve.y[i]).toFixed(1), r: 1.8 }));
             });
     });
     if (onpick)
         svg.addEventListener("click", event => {
             const box = svg.getBoundingClientRect();
             const place = ((event.clientX - box.left) / box.width * WIDTH - LEFT) / wide;
-            const xs = curves[0].x;
-            onpick(xs.reduce((best, x) => Math.abs(xAxis.place(x) - place) < Math.abs(xAxis.place(best) - place) ? x : best, xs[0]));
+            const away = x => Math.abs(xAxis.place(x) - place);
+            onpick(curves[0].x.reduce((best, x) => away(x) < away(best) ? x : best));
         });
     return svg;
 }

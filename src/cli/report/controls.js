@@ -184,14 +184,14 @@ function listenToKeys() {
 
 /* ---- Controls ---- */
 
-/* Marks under the step slider. Several at a place are one; what they say is in the text, too, so they are no stops of the tab key. */
+/* Marks under the step slider. Several at a place are one. The text says the same, so they are no stops of the tab key. */
 function addTicks() {
     const kinds = ["failure", "sign", "difference", "command", "event"]; // the first of them gives a place its look
-    const places = Map.groupBy ? Map.groupBy(meta.marks, mark => placeOf(mark.step)) : groupMarks();
-    for (const [place, marks] of places) {
+    for (const [place, marks] of groupMarks()) {
         const kind = kinds.find(name => marks.some(mark => mark.kind === name)) ?? "event";
         element("ticks").append(make("button", { type: "button", tabindex: -1, "aria-hidden": "true", class: `tick ${kind}`,
-            title: marks.map(mark => `step ${mark.step}: ${mark.text}`).join("\n"), onclick: () => showMark(marks.find(mark => mark.kind === kind)),
+            title: marks.map(mark => `step ${mark.step}: ${mark.text}`).join("\n"),
+            onclick: () => showMark(marks.find(mark => mark.kind === kind) ?? marks[0]),
             style: `left: ${steps.length > 1 ? 100 * place / (steps.length - 1) : 0}%` }));
     }
 }

@@ -44,8 +44,8 @@ function positions(frame) {
 
 /* Coordinates are quantities, too. */
 ["x", "y", "z"].forEach((name, axis) => {
-    meta.quantities.push({ name: `position.${name}`, label: `position.${name}`, unit: "L", meaning: "coordinate", min: meta.box[axis],
-        max: meta.box[axis + 3] });
+    meta.quantities.push({ name: `position.${name}`, label: `position.${name}`, unit: "L", meaning: "coordinate",
+        min: meta.box[axis], max: meta.box[axis + 3] });
     for (const frame of meta.frames)
         frame.values.push({ axis });
 });
@@ -73,7 +73,8 @@ function valueAt(frame, quantity, index) {
     const known = frame.values[quantity];
     if (!known)
         return NaN;
-    const { offset, min, max, far, place } = known.axis === undefined ? { ...known, place: index } : coordinate(frame, known.axis, index);
+    const { offset, min, max, far, place } = known.axis === undefined ? { ...known, place: index } :
+        coordinate(frame, known.axis, index);
     const exact = far?.find(([other]) => other === index);
     if (exact)
         return exact[1 + (known.axis ?? 0)];
@@ -140,7 +141,7 @@ function detailOf(frameIndex, id) {
     return details.get(frameIndex + ":" + id) ?? null;
 }
 
-/* The history ring of a particle. It changes at the end of a step only: in the middle of one it is that of the end of the step before. */
+/* The history ring of a particle. It changes at the end of a step only: before, it is that of the end of the step before. */
 function pastOf(frameIndex, id) {
     for (let i = frameIndex; i >= 0 && meta.frames[i].step >= meta.frames[frameIndex].step - 1; i--) {
         const past = detailOf(i, id)?.past;

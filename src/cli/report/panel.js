@@ -19,7 +19,8 @@ function wholeIfCount(quantity, number) {
 }
 
 /* Names that stand for the length of a vector. */
-const lengths = new Set(Object.keys(meta.details[0]?.values ?? {}).filter(name => name.endsWith(".x")).map(name => name.slice(0, -2)));
+const lengths = new Set(Object.keys(meta.details[0]?.values ?? {}).filter(name => name.endsWith(".x"))
+    .map(name => name.slice(0, -2)));
 
 /* The values of a particle in a frame by name, exact if the page has its details. */
 function valuesOf(frameIndex, id) {
@@ -59,7 +60,7 @@ class Panel {
     }
 
     /* Shows a particle; the page calls it again for every frame. */
-    show({ frameIndex, id, point, quantity, logarithmic }) {
+    show({ frameIndex, id, there, quantity, logarithmic }) {
         const { element, actions } = this;
         const frame = meta.frames[frameIndex];
         const focused = element.contains(document.activeElement) ? document.activeElement.dataset.name ?? "title" : null;
@@ -69,11 +70,11 @@ class Panel {
             make("div", { class: "panel-head" },
                 make("h2", { tabindex: -1, "data-name": "title" }, `Particle ${id}`),
                 make("span", {}, `step ${frame.step}, ${frame.stage ? "after stage " + frame.stage : "end"}`),
-                point && view.works ? make("button", { type: "button", "data-name": "near", title: "Look at it from near (c)", onclick: actions.near },
-                    "look closer") : "",
-                make("button", { type: "button", class: "close", "data-name": "close", "aria-label": "Close: pick nothing", onclick: actions.close },
-                    "\u00d7")),
-            ...(point ? this.parts({ frameIndex, frame, id, point, quantity, logarithmic }) :
+                there && view.works ? make("button", { type: "button", "data-name": "near", title: "Look at it from near (c)",
+                    onclick: actions.near }, "look closer") : "",
+                make("button", { type: "button", class: "close", "data-name": "close", "aria-label": "Close: pick nothing",
+                    onclick: actions.close }, "\u00d7")),
+            ...(there ? this.parts({ frameIndex, frame, id, quantity, logarithmic }) :
                 [make("p", {}, "This particle is not there in this frame.")]));
         element.scrollTop = scrollTop;
         for (const details of element.querySelectorAll("details")) {
@@ -85,10 +86,10 @@ class Panel {
             element.querySelector(`[data-name="${CSS.escape(focused)}"]`)?.focus({ preventScroll: true });
     }
 
-    parts({ frameIndex, frame, id, point, quantity, logarithmic }) {
+    parts({ frameIndex, frame, id, quantity, logarithmic }) {
         const detail = detailOf(frameIndex, id);
         return [
-            this.valueTable(frameIndex, id, point, detail),
+            this.valueTable(frameIndex, id, detail),
             this.overTime(frame, id, quantity, logarithmic),
             this.past(frameIndex, id),
             detail ? this.springTable(detail) : null,
@@ -97,10 +98,10 @@ class Panel {
     }
 
     /* Rows of a name, a number or vector, and its unit. */
-    valueTable(frameIndex, id, point, detail) {
+    valueTable(frameIndex, id, detail) {
         const all = valuesOf(frameIndex, id);
         const rows = new Map();
-        rows.set("position", { numbers: "position.x" in all ? ["x", "y", "z"].map(axis => all["position." + axis]) : point, unit: "L" });
+        rows.set("position", { numbers: ["x", "y", "z"].map(axis => all["position." + axis]), unit: "L" });
         for (const [name, number] of Object.entries(all)) {
             const [, base, axis] = name.match(/^(.*)\.([xyz])$/) ?? [null, lengths.has(name) ? `|${name}|` : name, null];
             if (base === "position")
@@ -113,8 +114,8 @@ class Panel {
         return make("div", { class: "scroll" },
             make("table", { class: "values" }, make("tbody", {}, [...rows].map(([name, { numbers, unit }]) => make("tr", {},
                 make("th", { scope: "row", title: meaningOf(name) }, labelOf(name)),
-                make("td", { class: numbers.every(Number.isFinite) ? null : "bad" }, name === "material" && meta.materials?.[numbers[0]] ||
-                    numbers.map(x => brief(x)).join(", ")),
+                make("td", { class: numbers.every(Number.isFinite) ? null : "bad" },
+                    name === "material" && meta.materials?.[numbers[0]] || numbers.map(x => brief(x)).join(", ")),
                 make("td", {}, unitText(unit)))))),
             rounded ? make("p", { class: "small" }, "Rounded to 1/65534 of the range of the frame.") : null);
     }
@@ -150,10 +151,13 @@ class Panel {
         const unitPart = unitText("L/T") ? ", " + unitText("L/T") : "";
         const agePart = unitText("T") ? ", " + unitText("T") : "";
         return make("figure", {},
-            make("h3", {}, `History ring at the end of step ${step}` + (rows > age.length ? `, ${age.length} of ${rows} rows` : "")),
-            plot({ label: `Velocities that particle ${id} remembers`, xLabel: "age" + agePart, yLabel: "velocity" + unitPart, curves }),
+            make("h3", {}, `History ring at the end of step ${step}`,
+                rows > age.length ? `, ${age.length} of ${rows} rows` : ""),
+            plot({ label: `Velocities that particle ${id} remembers`, xLabel: "age" + agePart, yLabel: "velocity" + unitPart,
+                curves }),
             legend(curves),
-            dataTable("Velocities in the history ring", [{ name: "age", values: age }, ...curves.map(({ name, y }) => ({ name, values: y }))]));
+            dataTable("Velocities in the history ring",
+                [{ name: "age", values: age }, ...curves.map(({ name, y }) => ({ name, values: y }))]));
     }
 
     springTable(detail) {
@@ -164,6 +168,8 @@ class Panel {
             !["other", "length", "rest_length", "stretch"].includes(name))];
         return make("div", {},
             make("h3", {}, `${springs.length} springs, the most stretched first`),
+            make("p", { class: "legend" }, make("span", {}, make("i", { class: "swatch long" }), "longer than at rest"),
+                make("span", {}, make("i", { class: "swatch short" }), "shorter")),
             make("div", { class: "scroll" }, make("table", { class: "springs" },
                 make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "to"),
                     columns.map(name => make("th", { scope: "col" }, name.replaceAll("_", " "))))),

@@ -1,6 +1,6 @@
 /*
- * Programs of the graphics processor. A sphere is drawn as a square in front of it; each of its pixels finds where its ray meets the
- * sphere, so that spheres are round at any size and hide each other correctly.
+ * Programs of the graphics processor. A sphere is drawn as a square in front of it; each of its pixels finds where its ray
+ * meets the sphere, so that spheres are round at any size and hide each other correctly.
  */
 const HEADER = `#version 300 es
 precision highp float;

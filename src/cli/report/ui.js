@@ -1,6 +1,6 @@
 /*
- * The controls: which frame, particle and colour are shown, from sliders, buttons, keys, clicks and the address (#step=...), and the
- * address from them.
+ * What is shown: frame, particle and colour. They follow from the controls and the address (#step=...), and all parts of the
+ * page follow from them.
  */
 const element = id => document.getElementById(id);
 const quiet = window.matchMedia("(prefers-reduced-motion: reduce)");
@@ -9,7 +9,8 @@ const FRAMES_PER_SECOND = 8;
 
 document.documentElement.classList.add("scripted");
 const view = new View(element("canvas"), meta.box);
-const panel = new Panel(element("panel"), { pick: pickParticle, show: step => goTo(step, null), near: lookCloser, close: () => pickParticle(null) });
+const panel = new Panel(element("panel"), { pick: pickParticle, show: step => goTo(step, null), near: lookCloser,
+    close: () => pickParticle(null) });
 
 /* What is shown. */
 const shown = { frame: 0, particle: null, quantity: 0 };
@@ -24,7 +25,7 @@ const isSeen = () => isThere() && isFinitePoint(points, shown.particle);
 
 /* ---- Address ---- */
 
-/* Reads #step=81&stage=forces@2&particle=17&colour=speed; what is left out stays, but for the stage, which is the end of the step. */
+/* Reads #step=81&stage=forces@2&particle=17&colour=speed. What is left out stays; without a stage it is the end of the step. */
 function obeyAddress() {
     const wanted = new URLSearchParams(location.hash.slice(1));
     const quantity = meta.quantities.findIndex(({ name }) => name === wanted.get("colour"));
@@ -226,6 +227,8 @@ function showFrame() {
     view.setFrame({ positions: points, shades, masks, balls: frame.balls ?? [] });
     view.setLines([...vibratorLines(), ...springLines(springs)]);
     showScale(scale);
+    element("canvas").setAttribute("aria-label",
+        `Particles in step ${frame.step}${frame.stage ? " after " + frame.stage : ""}, by ${quantityShown().label}`);
     const lost = countLost();
     element("absent").hidden = !lost && !!numbersShown;
     element("absent").textContent = !numbersShown ? `${quantityShown().label} is not known in this frame` :
@@ -257,7 +260,8 @@ function vibratorLines() {
     const tint = [...styleColour("--floor"), 0.8];
     const arm = meta.spacing;
     return (meta.vibrators ?? []).flatMap(([x, z]) => [
-        { from: [x - arm, floor, z], to: [x + arm, floor, z], tint }, { from: [x, floor, z - arm], to: [x, floor, z + arm], tint }]);
+        { from: [x - arm, floor, z], to: [x + arm, floor, z], tint },
+        { from: [x, floor, z - arm], to: [x, floor, z + arm], tint }]);
 }
 
 /* Draws once before the next picture of the screen. */
@@ -310,7 +314,8 @@ function stagedSteps() {
     const staged = [...new Set(meta.frames.filter(frame => frame.stage !== null).map(frame => frame.step))];
     if (!staged.length)
         return [make("span", { class: "small" }, " (no step has stages here)")];
-    const near = staged.sort((a, b) => Math.abs(a - frameShown().step) - Math.abs(b - frameShown().step)).slice(0, 3).sort((a, b) => a - b);
+    const away = step => Math.abs(step - frameShown().step);
+    const near = staged.sort((a, b) => away(a) - away(b)).slice(0, 3).sort((a, b) => a - b);
     return [make("span", { class: "small" }, " (stages: ",
         near.flatMap((step, i) => [i ? ", " : "", make("a", { href: `#step=${step}` }, String(step))]), ")")];
 }
@@ -319,8 +324,8 @@ function showPanel() {
     if (shown.particle === null) {
         panel.hide();
     } else {
-        panel.show({ frameIndex: shown.frame, id: shown.particle, point: isThere() ? pointAt(shown.particle) : null, quantity: shown.quantity,
-            logarithmic: element("logarithmic").checked });
+        panel.show({ frameIndex: shown.frame, id: shown.particle, there: isThere(),
+            quantity: shown.quantity, logarithmic: element("logarithmic").checked });
     }
     if (document.activeElement !== element("particle"))
         element("particle").value = shown.particle ?? "";

@@ -23,7 +23,8 @@ class View {
 
     begin() {
         const { gl } = this;
-        this.programs = { particles: this.link(PARTICLES), ball: this.link(BALL), lines: this.link(LINES), floor: this.link(FLOOR) };
+        this.programs = { particles: this.link(PARTICLES), ball: this.link(BALL), lines: this.link(LINES),
+            floor: this.link(FLOOR) };
         const corners = this.buffer(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
         this.arrays = {};
         this.buffers = {};
@@ -43,7 +44,8 @@ class View {
             }
         }
         gl.bindVertexArray(null);
-        this.ids = { frame: gl.createFramebuffer(), colour: gl.createRenderbuffer(), depth: gl.createRenderbuffer(), width: 0, height: 0 };
+        this.ids = { frame: gl.createFramebuffer(), colour: gl.createRenderbuffer(), depth: gl.createRenderbuffer(), width: 0,
+            height: 0 };
         this.lineCount = 0;
         this.count = 0;
     }
