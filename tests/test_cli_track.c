@@ -145,6 +145,17 @@ static void stages_have_lines_of_their_own(void **state)
     assert_string_equal(cell(csv, 1, "y"), y);
 }
 
+/* In a melting world, it runs in each substep. */
+static void the_last_stage_of_a_step_has_its_number(void **state)
+{
+    (void)state;
+    record_melting("m.rlog", "--set melting.substeps=3");
+    assert_code(0, run("track m.rlog --particle 4 --field y --stages --from 2 --to 2 --json"));
+    assert_in("\"stage\": \"integration@1\"", out);
+    assert_in("\"stage\": \"integration@3\"", out);
+    assert_null(strstr(out, "\"stage\": \"integration\""));
+}
+
 static void a_probe_has_means(void **state)
 {
     (void)state;
@@ -209,6 +220,7 @@ int main(void)
         cmocka_unit_test(columns_and_steps_are_chosen),
         cmocka_unit_test(a_spring_has_its_history),
         cmocka_unit_test(stages_have_lines_of_their_own),
+        cmocka_unit_test(the_last_stage_of_a_step_has_its_number),
         cmocka_unit_test(a_probe_has_means),
         cmocka_unit_test(bad_usage_is_refused),
     };

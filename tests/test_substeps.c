@@ -104,6 +104,7 @@ static void the_stages_run_in_three_phases(void **unused)
         rheo_stage_info info;
         OK(rheo_world_stage(whole, i, &info));
         assert_int_equal(info.calls, CALLS[i]);
+        assert_int_equal(info.in_substeps, CALLS[i] == 13);
     }
     rheo_world_destroy(parts);
     rheo_world_destroy(whole);

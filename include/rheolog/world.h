@@ -1188,6 +1188,8 @@ typedef struct rheo_stage_info {
     uint64_t calls;
     /** Wall time of these runs. Unit s. */
     double seconds;
+    /** Runs in every substep of a step, so that its runs have numbers: "forces@2". */
+    bool in_substeps;
 } rheo_stage_info;
 
 /** Number of stages in the list of a world. */

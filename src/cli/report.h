@@ -175,6 +175,7 @@ typedef struct cli_page {
     /* What the page looks at. */
     uint64_t focus[CLI_PAGE_FOCUSES]; /* the first is the one whose stages are shown */
     uint32_t focuses;
+    const char *begin_stage;               /* of the first; NULL or "": its end */
     const char *focus_reason;              /* why it is the first: "in which ..." */
     uint32_t particle[CLI_PAGE_PARTICLES]; /* named by the story, in its order */
     uint32_t particles;

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/steps.h"
+
 enum { FRAME_JSON = 220, ARRAY_JSON = 64 }; /* bytes of a frame and of each of its arrays in JSON, about */
 enum { LEAST_REST = 60000 };                /* for the part about stages */
 
@@ -129,10 +131,9 @@ static int for_each_stage(cli_page *page, uint64_t step,
 {
     const rheo_world *world;
     int status = CLI_DONE;
-    uint32_t run = 0;
+    uint32_t run = 0, last = 0;
     do {
-        char name[32];
-        rheo_stage_info info;
+        char name[CLI_STAGE_NAME];
         rheo_error error = {""};
         uint32_t stage;
         const rheo_result result = rheo_player_stage(page->f.player, &stage, &error);
@@ -141,9 +142,7 @@ static int for_each_stage(cli_page *page, uint64_t step,
         if (result != RHEO_OK)
             return failed(&page->f, result, &error);
         world = rheo_player_world(page->f.player);
-        rheo_world_last_stage(world, name); /* "" after the last one of a step */
-        if (!*name && rheo_world_stage(world, stage, &info) == RHEO_OK)
-            snprintf(name, sizeof name, "%s", info.name);
+        cli_stage_run_name(world, stage, &last, name);
         status = visit(page, step, name, run++, data);
     } while (status == CLI_DONE && rheo_world_stages_done(world) > 0);
     return status;
@@ -217,7 +216,8 @@ static int show_stages(cli_page *page, const budget *b, uint64_t step, uint64_t 
 static int collect_stages(cli_page *page, const budget *b)
 {
     const uint64_t first = page->f.info.first_step + 1, last = page->f.info.last_step + page->f.diagnosis.failed;
-    uint64_t focus = page->focus[0] < first ? first : page->focus[0];
+    const uint64_t focus = page->focus[0] < first ? first : page->focus[0];
+    page->begin_stage = stage_of_focus(page, page->focus[0]);
     if (focus > last || b->stages == 0)
         return CLI_DONE;
     const bool both = page->f.diagnosis.failed && focus != last;

@@ -227,6 +227,16 @@ static void write_scene(rheo__json *json, const cli_page *page)
     rheo__json_end_list(json);
 }
 
+/* What the page looks at first. */
+static void write_begin(rheo__json *json, const cli_page *page)
+{
+    rheo__json_begin_object(json, "begin");
+    rheo__json_integer(json, "step", page->focus[0]);
+    rheo__json_text(json, "stage", page->begin_stage && *page->begin_stage ? page->begin_stage : NULL);
+    rheo__json_index(json, "particle", page->particles ? (int64_t)page->particle[0] : -1);
+    rheo__json_end_object(json);
+}
+
 static void write_marks(rheo__json *json, const cli_page *page)
 {
     rheo__json_begin_list(json, "marks");
@@ -297,6 +307,7 @@ int cli_page_write_meta(cli_page *page)
     rheo__json_text(&json, "other", page->g.path ? page->g.name : NULL);
     rheo__json_text(&json, "model", rheo_model_name(rheo_recording_definition(page->f.recording)->model));
     write_scene(&json, page);
+    write_begin(&json, page);
     rheo__json_begin_list(&json, "frames");
     for (size_t i = 0; i < page->frames; i++)
         if (!page->frame[i].left_out)

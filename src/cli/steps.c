@@ -204,3 +204,15 @@ int cli_write_steps(const char *path, const cli_steps *steps, rheo_player *playe
     cli_progress_end(&progress);
     return status;
 }
+
+/* ---- Stages ---- */
+
+void cli_stage_run_name(const rheo_world *world, uint32_t stage, uint32_t *last, char name[CLI_STAGE_NAME])
+{
+    rheo_stage_info info = {0};
+    rheo_world_last_stage(world, name); /* "" after the last one of a step */
+    *last += stage + 1 == rheo_world_stage_count(world);
+    if (*name || rheo_world_stage(world, stage, &info) != RHEO_OK)
+        return;
+    snprintf(name, CLI_STAGE_NAME, info.in_substeps ? "%s@%u" : "%s", info.name, (unsigned)*last);
+}

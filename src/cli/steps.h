@@ -42,6 +42,13 @@ int cli_check_results(const char *folder, const char *name, bool plot);
 /* Computes one extent for all pictures: it contains those of the first and the last step. */
 int cli_find_extent(const char *path, const cli_steps *steps, rheo_player *player, rheo_extent *extent);
 
+/*
+ * The name of the stage run that rheo_player_stage() has just made, also of the last one of its step. *last: runs of the last
+ * stage in the step, 0 before its first run.
+ */
+enum { CLI_STAGE_NAME = 48 };
+void cli_stage_run_name(const rheo_world *world, uint32_t stage, uint32_t *last, char name[CLI_STAGE_NAME]);
+
 /* Writes the files of a step, at which the player is. Returns CLI_DONE to go on. */
 typedef int cli_write_step(void *data, rheo_player *player, uint64_t index);
 /* Goes to each of the steps and writes it. Shows the progress, and ends when it is interrupted. */

@@ -203,17 +203,15 @@ static int print_stages(arguments *a, rheo_player *player, uint64_t step)
 {
     const rheo_world *world = rheo_player_world(player);
     int status = CLI_DONE;
+    uint32_t last = 0;
     do {
         rheo_error error = {""};
-        rheo_stage_info info;
-        char name[32];
+        char name[CLI_STAGE_NAME];
         uint32_t stage;
         const rheo_result result = rheo_player_stage(player, &stage, &error);
         if (result != RHEO_OK)
             return cli_file_error(a->file, result, &error);
-        rheo_world_last_stage(world, name); /* "" after the last one of a step */
-        if (!*name && rheo_world_stage(world, stage, &info) == RHEO_OK)
-            snprintf(name, sizeof name, "%s", info.name);
+        cli_stage_run_name(world, stage, &last, name);
         status = print(a, world, step, name);
     } while (status == CLI_DONE && rheo_world_stages_done(world) > 0);
     return status;

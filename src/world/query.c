@@ -274,9 +274,9 @@ rheo_result rheo_world_stage(const rheo_world *w, uint32_t index, rheo_stage_inf
 {
     if (index >= w->stage_count)
         return RHEO_ERROR_ARGUMENT;
-    *info = (rheo_stage_info){w->stage[index].name,
-                              rheo__world_phase(w, index) == RHEO__IN_SUBSTEPS ? w->substeps_timed : w->steps_timed,
-                              w->stage_seconds[index]};
+    const bool in_substeps = rheo__world_phase(w, index) == RHEO__IN_SUBSTEPS;
+    *info = (rheo_stage_info){w->stage[index].name, in_substeps ? w->substeps_timed : w->steps_timed,
+                              w->stage_seconds[index], in_substeps};
     return RHEO_OK;
 }
 
