@@ -76,7 +76,8 @@ def compare(browser, meta, file):
                                  for detail in meta["details"])
     box = frame["position"]["box"] if not meta["exact"] else [0] * 6
     rounding = max(box[axis + 3] - box[axis] for axis in range(3)) / 65534
-    near(f"position of {particle} in step {step}", values["position"], said["position"], rounding + 1e-5)
+    for seen in (values["position"], [values["position." + axis] for axis in "xyz"]):
+        near(f"position of {particle} in step {step}", seen, said["position"], rounding + 1e-5)
     compared = 0
     for i, quantity in enumerate(meta["quantities"]):
         name = quantity["name"]
@@ -166,9 +167,17 @@ def sliders_move_through_steps_and_stages(browser):
         same("arrows on the stage slider", state(browser), [staged, name, 5])
     compare(browser, meta, "base.rlog")
     same("address", browser.run("location.hash")[1:].split("&")[:3], [f"step={staged}", f"stage={names[3]}", "particle=5"])
-    browser.open(address("both.html", f"step={ends[3]}"))
-    same("stage slider of a step without stages", browser.run('document.getElementById("stage").disabled'),
-         sum(frame["step"] == ends[3] for frame in meta["frames"]) == 1)
+    plain = next(step for step in ends if sum(frame["step"] == step for frame in meta["frames"]) == 1)
+    browser.run(f'location.hash = "step={plain}"')
+    browser.settle()
+    same("stage slider of a step without stages", browser.run('document.getElementById("stage").disabled'), True)
+    browser.click_on("#stage-text a")
+    stages = [frame["stage"] for frame in meta["frames"] if frame["step"] == state(browser)[0]]
+    same("a link to a step with stages", len(stages) > 1, True)
+    browser.run('location.hash = "step=999"')
+    browser.settle()
+    same("the frame before a step that is not there", state(browser)[0], ends[-1])
+    same("words for it", f"This is step {ends[-1]}" in browser.run('document.getElementById("note").textContent'), True)
 
 
 @proves
@@ -233,6 +242,23 @@ def a_click_picks_the_particle_that_one_sees(browser):
             same("a click of the mouse", state(browser)[2], particle)
         compare(browser, meta, "base.rlog")
     clean(browser, "both.html")
+
+
+@proves
+def what_hides_a_particle_can_be_cut_away(browser):
+    browser.media(prefers_reduced_motion="reduce")
+    browser.open(address("bad.html", "step=15"))
+    hidden = [particle for particle in range(0, 600, 60)
+              if browser.run(f"{REPORT}.pick({REPORT}.place({particle}).x, {REPORT}.place({particle}).y)") != particle]
+    if len(hidden) < 3:
+        raise AssertionError(f"only these particles are hidden: {hidden}")
+    for particle in hidden[:3]:
+        browser.run(f'location.hash = "step=15&particle={particle}"')
+        browser.settle()
+        browser.click_on("button[data-name=near]")
+        same("look closer", browser.run(f"{REPORT}.pick({REPORT}.place({particle}).x, {REPORT}.place({particle}).y)"), particle)
+        browser.key("r")
+    browser.media()
 
 
 @proves

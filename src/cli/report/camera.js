@@ -78,11 +78,11 @@ class Camera {
         this.distance = radius / Math.sin(FIELD_OF_VIEW / 2);
     }
 
-    /* Where the depth of a point, less a margin, is between the nearest and the farthest corner of the box. */
-    part(point, margin) {
+    /* Where the depth of a point is between the nearest and the farthest corner of the box, from 0 to 1. */
+    part(point) {
         const [near, far] = this.depths();
         const depth = dot(this.directions().back, add(this.eye(), scaled(point, -1)));
-        return (depth - margin - near) / (far - near);
+        return (depth - near) / (far - near);
     }
 
     /* Depths of the nearest and the farthest corner of the box, for the cut. */

@@ -39,7 +39,7 @@ function lookCloser() {
     if (!isSeen())
         return;
     const point = pointAt(shown.particle);
-    easeTo(() => view.camera.lookAt(point, 6 * meta.spacing), () => cutAt(view.camera.part(point, 0.75 * meta.spacing)));
+    easeTo(() => view.camera.lookAt(point, 6 * meta.spacing), () => cutAt(view.camera.part(point)));
 }
 
 /* A part of the depth from 0 to 1. */

@@ -69,7 +69,7 @@ void main() {
     role = mask;
     index = gl_InstanceID;
     place(position, mask == PICKED ? 1.25 * radius : radius);
-    if (mask == HIDDEN || (-centre.z < cut && mask < PARTNER))
+    if (mask == HIDDEN || (-centre.z < cut && mask != PICKED))
         gl_Position = vec4(0, 0, 2, 1);
 }`,
     fragment: HEADER + MASK + SPHERE_FRAGMENT + `

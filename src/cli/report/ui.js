@@ -74,7 +74,7 @@ function goTo(step, stage) {
 function sayOther(step, stage) {
     const { step: found, stage: after } = frameShown();
     const here = `This is step ${found}${after ? " after " + after : ""}`;
-    if (step > meta.steps)
+    if (meta.marks.some(mark => mark.kind === "failure" && mark.step === step))
         say(`Step ${step} failed${stage ? " in " + stage : ""}, which left no state. ${here}.`);
     else
         say(`The page holds no frame of step ${step}${stage ? " after " + stage : ""}. ${here}; for the other: ` +
@@ -218,6 +218,7 @@ function showFrame() {
     const springs = isThere() ? springsOf(detailOf(shown.frame, shown.particle)) : [];
     const alone = element("alone").checked && springs.length > 0;
     element("alone").disabled = springs.length === 0;
+    view.alone = alone;
     const masks = new Uint8Array(frame.particles).fill(alone ? HIDDEN : SHOWN);
     for (const spring of springs)
         masks[spring.other] = PARTNER;

@@ -2,6 +2,7 @@
  * The view of a frame in WebGL2: particles as spheres, springs of the picked one, balls, floors, and which particle is at a point.
  * Nothing is drawn before draw() is called; the page calls it when something has changed.
  */
+const FAR = 1e30;
 const HIDDEN = 0, SHOWN = 1, PARTNER = 2, PICKED = 3; // of the mask
 
 class View {
@@ -9,6 +10,7 @@ class View {
         this.canvas = canvas;
         this.camera = new Camera(box);
         this.cut = 0; // part of the depth that is cut away
+        this.alone = false; // nothing is shown but the picked particle and its partners, so they are not cut away
         this.gl = canvas.getContext("webgl2", { alpha: true, antialias: false, depth: true, premultipliedAlpha: true });
         this.works = !!this.gl;
         if (!this.works)
@@ -178,7 +180,7 @@ class View {
     /* The depth up to which all is cut away. */
     cutDepth() {
         const [near, far] = this.camera.depths();
-        return this.cut > 0 ? near + this.cut * (far - near) : -1e30;
+        return this.cut > 0 ? near + this.cut * (far - near) : -FAR;
     }
 
     drawSpheres(asId) {
@@ -187,7 +189,7 @@ class View {
         gl.depthMask(true);
         let uniform = this.use("particles");
         gl.uniform1f(uniform("radius"), meta.radius);
-        gl.uniform1f(uniform("cut"), this.cutDepth());
+        gl.uniform1f(uniform("cut"), this.alone ? -FAR : this.cutDepth());
         gl.uniform1i(uniform("asId"), asId ? 1 : 0);
         gl.uniform3fv(uniform("colours"), VIRIDIS.flat().map(x => x / 255));
         gl.uniform3fv(uniform("unknown"), this.colours.unknown);
