@@ -6,10 +6,10 @@
 
 /* ---- Usage ---- */
 
-static const char *const commands[] = {"bench",   "bless",       "check",    "checkpoint", "curves",  "diff",
-                                       "doctor",  "experiments", "export",   "info",       "inspect", "log",
-                                       "metrics", "render",      "rerecord", "rheometer",  "run",     "same",
-                                       "scenes",  "table",       "verify"};
+static const char *const commands[] = {"bench",   "bless",       "check",  "checkpoint", "curves",    "diff",
+                                       "doctor",  "experiments", "export", "info",       "inspect",   "log",
+                                       "metrics", "render",      "report", "rerecord",   "rheometer", "run",
+                                       "same",    "scenes",      "table",  "verify"};
 
 static void assert_fits_80_columns(void)
 {

@@ -19,12 +19,12 @@ static void add_quantity(cli_page *page, const char *name, const char *component
     snprintf(q->name, sizeof q->name, "%s%s", name, component);
 }
 
-/* Quantities that the model ranks particles or springs by are in each frame. */
-static bool is_ranked(const rheo_world *world, const char *name)
+/* The speed, and what stiffens or melts the fluid, are in each frame. */
+static bool is_important(const rheo_world *world, const char *name)
 {
-    const rheo_ranking *ranking;
-    for (uint32_t i = 0; (ranking = rheo_world_ranking(world, i)) != NULL; i++)
-        if (strcmp(ranking->value, name) == 0)
+    const rheo_ranking *r;
+    for (uint32_t i = 0; (r = rheo_world_ranking(world, i)) != NULL; i++)
+        if ((r->top == RHEO_TOP_STIFFEST || r->top == RHEO_TOP_HOTTEST) && strcmp(r->value, name) == 0)
             return true;
     return strcmp(name, "speed") == 0;
 }
@@ -52,7 +52,7 @@ void cli_page_quantities_of(cli_page *page, const rheo_world *world)
         for (uint32_t i = 0; (q = rheo_world_quantity(world, i)) != NULL; i++)
             if (scalars && q->components == 1)
                 add_quantity(page, q->name, "", q->unit, q->meaning, CLI_PAGE_MEMBER, q->offset,
-                             is_ranked(world, q->name) ? 0 : 1);
+                             is_important(world, q->name) ? 0 : 1);
             else if (!scalars && q->components == 3)
                 add_vector(page, q);
     add_quantity(page, "neighbours", "", "1", "particles closer than the support", CLI_PAGE_NEIGHBOURS, 0, 1);

@@ -11,6 +11,7 @@
 #include "cli/steps.h"
 
 enum { FRAME_JSON = 220, ARRAY_JSON = 64 }; /* bytes of a frame and of each of its arrays in JSON, about */
+enum { DETAILED_FRAMES = 40 };              /* that may have details of the particles that the story names */
 enum { LEAST_REST = 60000 };                /* for the part about stages */
 
 /* Where the bytes go. */
@@ -55,7 +56,7 @@ static const struct {
     bool exact;
     int ranks, far_ranks;
     uint64_t wanted; /* ends of steps, if the recording has so many */
-} LEVELS[] = {{true, 2, 2, 200}, {false, 2, 2, 100}, {false, 1, 1, 60}, {false, 1, 0, 12}, {false, 0, 0, 1}};
+} LEVELS[] = {{true, 2, 2, 200}, {false, 2, 2, 100}, {false, 1, 1, 60}, {false, 1, 0, 10}, {false, 0, 0, 1}};
 
 /* Takes the best encoding with which the wanted number of frames fits. False: not even one fits. */
 static bool choose_level(cli_page *page, const budget *b, uint64_t steps)
@@ -392,7 +393,10 @@ static budget budget_of(const cli_page *page, uint64_t fixed_bytes)
 {
     budget b = {.all = page->max_bytes > fixed_bytes ? page->max_bytes - fixed_bytes : 0,
                 .particles = most_particles(page)};
-    b.details = b.all * 15 / 100;
+    const uint64_t detail = cli_page_detail_size(rheo_player_world(page->f.player)), share = b.all * 15 / 100,
+                   named = DETAILED_FRAMES * detail * page->particles, all = detail * b.particles;
+    const uint64_t wanted = named + (all < share / 2 ? all : 0);
+    b.details = wanted < share ? wanted : share;
     b.stages = (b.all - b.details) * 35 / 100;
     return b;
 }

@@ -134,7 +134,7 @@ static char *describe_growth(const rheo_verification *v)
 }
 
 int cli_verdicts_add(cli_verdicts *report, const char *name, const char *file, cli_outcome outcome,
-                   const rheo_verification *v, double seconds)
+                     const rheo_verification *v, double seconds)
 {
     cli_case *c = &report->cases[report->count++];
     *c = (cli_case){.name = strdup(name),

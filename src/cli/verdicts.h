@@ -47,7 +47,7 @@ int cli_verdicts_begin(cli_verdicts *report, size_t room);
  * see cli_case. `v` has the message.
  */
 int cli_verdicts_add(cli_verdicts *report, const char *name, const char *file, cli_outcome outcome,
-                   const rheo_verification *v, double seconds);
+                     const rheo_verification *v, double seconds);
 /* Sets outcome and message for a task of the library that returned an error. */
 cli_outcome cli_outcome_of_error(rheo_result result, const rheo_error *error, rheo_verification *v);
 /* Prints the totals, writes the JUnit file and releases the report. Returns the exit code of the command. */
