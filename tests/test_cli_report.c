@@ -9,6 +9,8 @@
 static void a_page_has_the_states_of_the_recording(void **state)
 {
     (void)state;
+    if (!json_scenes) /* the scene would be a larger one */
+        skip();
     static const char *const keys[] = {"file",      "other", "output", "outcome", "reason",  "verdict", "bytes",
                                        "max_bytes", "exact", "steps",  "stages",  "details", NULL};
     record("a.rlog");
@@ -30,6 +32,8 @@ static void a_page_has_the_states_of_the_recording(void **state)
 static void rounded_states_are_as_near_as_their_bits_allow(void **state)
 {
     (void)state;
+    if (!json_scenes) /* the scene would be a larger one */
+        skip();
     record("a.rlog");
     assert_code(0, run("report a.rlog -o a.html --force --max-size 300K --json"));
     assert_string_equal(value_of("exact"), "false");
@@ -88,6 +92,8 @@ static void assert_numbers(const char *object, const char *printed)
 static void details_are_those_of_inspect(void **state)
 {
     (void)state;
+    if (!json_scenes) /* the scene would be a larger one */
+        skip();
     int springs_seen = 0, rows_seen = 0, seen = 0;
     record("a.rlog");
     assert_code(0, run("report a.rlog -o a.html --force"));
@@ -157,6 +163,8 @@ static void details_are_those_of_inspect(void **state)
 static void the_limit_of_the_size_is_kept(void **state)
 {
     (void)state;
+    if (!json_scenes) /* the scene would be a larger one */
+        skip();
     long last = 0;
     record("a.rlog");
     remove("a.html");
@@ -183,6 +191,8 @@ static void the_limit_of_the_size_is_kept(void **state)
 static void states_are_denser_near_the_first_sign(void **state)
 {
     (void)state;
+    if (!json_scenes) /* the scene would be a larger one */
+        skip();
     assert_code(0, run("run %s --steps 60 -o long.rlog --quiet --force", scene));
     assert_code(0, run("report long.rlog -o long.html --force --max-size 260K --json"));
     const int steps = atoi(value_of("steps"));

@@ -12,6 +12,7 @@
 
 enum { FRAME_JSON = 220, ARRAY_JSON = 64 }; /* bytes of a frame and of each of its arrays in JSON, about */
 enum { DETAILED_FRAMES = 40 };              /* that may have details of the particles that the story names */
+enum { MOST_STEPS = 1000 };                 /* more are no use to a slider */
 enum { LEAST_REST = 60000 };                /* for the part about stages */
 
 /* Where the bytes go. */
@@ -428,6 +429,7 @@ int cli_page_take_steps(cli_page *page, uint64_t fixed_bytes)
                    frame = frame_bytes(page, b.particles, page->far_ranks, page->exact),
                    rich = 3 * (frame_bytes(page, b.particles, page->ranks, page->exact) - frame);
     uint64_t most = left > rich + frame ? (left - rich) / frame : 1;
+    most = most < MOST_STEPS ? most : MOST_STEPS;
     most = most < page->f.steps ? most : page->f.steps;
     if (!choose_steps(page, &b, (size_t)most))
         return cli_page_no_memory();
