@@ -336,6 +336,23 @@ def all_can_be_done_with_the_keyboard(browser):
 
 
 @proves
+def the_wheel_zooms_a_view_that_has_the_focus(browser):
+    browser.open(address("bad.html", "step=15&particle=3"))
+    left, top, wide, high = browser.run('Object.values(document.getElementById("canvas").getBoundingClientRect().toJSON())')[:4]
+    place = browser.run(REPORT + ".place(3)")
+    browser.mouse("mouseWheel", left + 20, top + 20, deltaX=0, deltaY=-200)
+    browser.settle()
+    same("a page that is scrolled", browser.run(REPORT + ".place(3)"), place)
+    browser.run('document.getElementById("canvas").focus()')
+    browser.mouse("mouseWheel", left + 20, top + 20, deltaX=0, deltaY=-200)
+    browser.settle()
+    nearer = browser.run(REPORT + ".place(3)")
+    middle = [left + wide / 2, top + high / 2]
+    if math.dist(nearer.values(), middle) <= 1.2 * math.dist(place.values(), middle):
+        raise AssertionError(f"the wheel does not zoom: {place}, then {nearer}")
+
+
+@proves
 def motion_is_reduced_for_those_who_want_it(browser):
     browser.media(prefers_reduced_motion="reduce")
     browser.open(address("both.html", "step=5&particle=3"))
