@@ -98,7 +98,8 @@ static int check_usage(export_state *x, int operands)
     if ((a->isovalue || a->resolution) && !any_surface(x))
         return cli_usage(&cli_export, "--isovalue and --resolution apply to surfaces; %s exports particles",
                          a->format);
-    x->options = (rheo_export_options){rheo_default_surface_options(), &x->extent, a->force};
+    x->options = (rheo_export_options){
+        .surface = rheo_default_surface_options(), .extent = &x->extent, .force = a->force};
     if ((status = cli_read_number(&cli_export, "--isovalue", a->isovalue, 0, 1, true,
                                   &x->options.surface.isovalue)) != CLI_DONE)
         return status;

@@ -315,7 +315,6 @@ static void light_pixel(const lights *l, uint32_t column, uint32_t row, unsigned
 rheo_result rheo__canvas_light(const rheo__canvas *canvas, double reach, unsigned char *rgb, rheo_error *error)
 {
     static const double FILL[3] = {6, 3, 6}, SKY[3] = {0, 1, 0};
-    double fill[3] = {FILL[0], FILL[1], FILL[2]};
     lights l = {.canvas = canvas,
                 .width = canvas->width / RHEO__SAMPLES,
                 .height = canvas->height / RHEO__SAMPLES,
@@ -326,9 +325,8 @@ rheo_result rheo__canvas_light(const rheo__canvas *canvas, double reach, unsigne
     l.view = malloc(pixels * sizeof *l.view);
     if (!l.view)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a picture of %u x %u pixels", l.width, l.height);
-    rheo__view_normalise(fill);
-    rheo__canvas_direction(canvas, fill, l.fill);
-    rheo__canvas_direction(canvas, SKY, l.sky);
+    rheo__canvas_light_from(canvas, FILL, l.fill);
+    rheo__canvas_light_from(canvas, SKY, l.sky);
     /* A spiral in which each point turns by the golden section covers the disc evenly. */
     for (int i = 0; i < PHASES * TAPS; i++) {
         const double radius = __builtin_sqrt((i + .5) / (PHASES * TAPS)), turns = .6180339887498949 * i;
