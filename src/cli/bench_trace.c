@@ -113,8 +113,11 @@ static void begin_event(rheo__json *json, const char *name, const char *kind, ui
 static void put_process(rheo__json *json, const cli_bench_case *c, uint32_t item)
 {
     char name[128];
-    snprintf(name, sizeof name, "%s%s%s%s%s, d = %u", c->name, *c->scheme ? ", " : "", c->scheme, *c->kind ? ", " : "",
-             c->kind, c->window);
+    if (*c->scheme)
+        snprintf(name, sizeof name, "%s, %s%s%s, d = %u", c->name, c->scheme, *c->kind ? ", " : "", c->kind,
+                 c->window);
+    else /* no other model has a history */
+        snprintf(name, sizeof name, "%s", c->name);
     begin_event(json, "process_name", "M", item);
     rheo__json_begin_object(json, "args");
     rheo__json_text(json, "name", name);
