@@ -94,9 +94,10 @@ start_position
 stiffness
 summed_density" render a.rlog --color s
 # Regression: these options had no values. A list is completed after its last comma.
-expect "$(printf 'csv\nobj\nply\npov\nsolids\nsprings\nvtp')" export a.rlog --format ""
+expect "$(printf 'csv\nobj\nply\npov\nsolids\nsprings\nsurface\nvtp')" export a.rlog --format ""
 expect "vtp,csv,solids
-vtp,csv,springs" export a.rlog --format vtp,csv,s
+vtp,csv,springs
+vtp,csv,surface" export a.rlog --format vtp,csv,s
 for format in $(completions export --format ""); do # and the command knows each of them
     "$rheolog" export none.rlog -o out --format "$format" 2>&1 | grep -q "cannot read none.rlog" || { echo "no format: $format"; exit 1; }
 done

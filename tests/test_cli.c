@@ -184,7 +184,7 @@ static void bad_usage_is_reported(void **state)
         {"export none.rlog -o x --format vtk", "\"vtp\""},
         {"export none.rlog -o x --format vtp --every 0", "--every"},
         {"export none.rlog -o x --format vtp --every 2 --step 3", "--step"},
-        {"export none.rlog -o x --format vtp --isovalue .5", "vtp exports particles"},
+        {"export none.rlog -o x --format vtp --isovalue .5", "vtp exports none"},
         {"export none.rlog -o x --format ply --isovalue 1", "--isovalue"},
         {"export none.rlog -o x --format ply --isovalue half", "--isovalue"},
         {"export none.rlog -o x --format ply --isovalue nan", "--isovalue"},

@@ -405,6 +405,88 @@ static void bench_ends_a_baseline_that_hangs(void **state)
     refuse_baseline("exec >/dev/null 2>&1; sleep 100", "did not end within 2 s");
 }
 
+/* An event of a trace, which has its own line. */
+typedef struct span {
+    char name[64], category[16];
+    double begin, end, step, substep; /* substep 0: none */
+} span;
+
+/* Reads the next event of a category; false: there is no more. */
+static bool next_span(const char **at, const char *category, span *s)
+{
+    char wanted[64];
+    snprintf(wanted, sizeof wanted, "\"cat\": \"%s\"", category);
+    const char *found = strstr(*at, wanted);
+    if (!found)
+        return false;
+    const char *line = found;
+    while (line[-1] != '\n')
+        line--;
+    *s = (span){.substep = 0};
+    assert_int_equal(sscanf(line, " {\"name\": \"%63[^\"]\"", s->name), 1);
+    *at = found;
+    s->begin = number_after(at, "ts");
+    s->end = s->begin + number_after(at, "dur");
+    s->step = number_after(at, "step");
+    const char *end = strchr(*at, '\n'), *substep = strstr(*at, "\"substep\"");
+    if (substep && substep < end)
+        s->substep = number_after(at, "substep");
+    *at = end;
+    return true;
+}
+
+/* Ten steps in order; every stage lies in its step and its substep, and none overlaps the one before it. */
+static void a_trace_has_the_stages_of_steps(void **state)
+{
+    (void)state;
+    static char text[1 << 18];
+    assert_code(0, run("bench history --windows 5 " TINY " --trace trace.json --csv"));
+    assert_true(lines_of(out) == 5);
+    assert_true(file_size("trace.json") < (long)sizeof text - 1);
+    read_file("trace.json", text, sizeof text);
+    assert_in("\"traceEvents\": [", text);
+    assert_in("\"name\": \"process_name\", \"ph\": \"M\", \"pid\": 4, ", text);
+    assert_in("bowling-ball, summed, window-fast, d = 5", text);
+    const char *in_steps = text, *in_substeps = text, *in_stages = text;
+    span step = {.end = -1}, substep = {.step = -1}, stage, before = {.end = -1};
+    int stages = 0, steps = 0, substeps = 0, of_substeps = 0;
+    while (next_span(&in_stages, "stage", &stage)) {
+        if (stage.begin >= step.end) {
+            span last = step;
+            assert_true(next_span(&in_steps, "step", &step));
+            assert_true(step.begin >= last.end && (steps % 10 == 0 || step.step == last.step + 1));
+            steps++;
+        }
+        if (stage.substep && (stage.step != substep.step || stage.substep != substep.substep)) {
+            assert_true(next_span(&in_substeps, "substep", &substep));
+            substeps++;
+        }
+        const double rounding = 2e-3;
+        assert_true(stage.begin >= step.begin - rounding && stage.end <= step.end + rounding &&
+                    stage.step == step.step);
+        assert_true(stage.end >= stage.begin && stage.begin >= before.end - rounding);
+        if (stage.substep) {
+            assert_true(stage.begin >= substep.begin - rounding && stage.end <= substep.end + rounding);
+            assert_true(strcmp(stage.name, "neighbours") != 0 && strcmp(stage.name, "history") != 0);
+            of_substeps += strcmp(stage.name, "forces") == 0;
+        }
+        before = stage;
+        stages++;
+    }
+    assert_int_equal(steps, 40); /* of four kinds */
+    assert_int_equal(substeps, 80);
+    assert_int_equal(of_substeps, 80);
+    assert_true(stages > 12 * steps && strcmp(before.name, "history") == 0);
+    assert_false(next_span(&in_steps, "step", &step) || next_span(&in_substeps, "substep", &substep));
+    /* Nothing is measured for a file that cannot be written. */
+    assert_code(2, run("bench history --windows 5 " TINY " --trace no/such/trace.json"));
+    assert_one_message("no/such");
+    assert_code(2, run("bench error --trace trace.json"));
+    assert_one_message("error takes no --trace");
+    assert_code(2, run("bench limits --trace trace.json --baseline rheolog"));
+    assert_one_message("does not go with --baseline");
+}
+
 static void bench_refuses_bad_options(void **state)
 {
     (void)state;
@@ -447,6 +529,7 @@ int main(void)
         cmocka_unit_test(bench_compares_a_program_with_itself),
         cmocka_unit_test(bench_refuses_a_bad_baseline),
         cmocka_unit_test(bench_ends_a_baseline_that_hangs),
+        cmocka_unit_test(a_trace_has_the_stages_of_steps),
         cmocka_unit_test(bench_refuses_bad_options),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

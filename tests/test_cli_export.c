@@ -94,6 +94,88 @@ static void several_formats_are_written_in_one_pass(void **state)
     assert_one_message("unknown format \"\"");
 }
 
+/* The files of a stage are those of the library in the middle of the step, and say so in their names. */
+static void a_stage_of_a_step_is_exported(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("export a.rlog -o stage --format csv,springs --step 5 --stage forces@1"));
+    assert_string_equal(out,
+                        "stage/a_000005_forces@1.csv\nstage/a_springs_000005_forces@1.vtp\nstage/a_springs.pvd\n");
+    rheo_recording *recording;
+    rheo_player *player;
+    assert_int_equal(rheo_recording_open("a.rlog", &recording, NULL), RHEO_OK);
+    assert_int_equal(rheo_player_open(recording, NULL, &player, NULL), RHEO_OK);
+    assert_int_equal(rheo_player_seek_stage(player, 5, "forces@1", NULL), RHEO_OK);
+    const rheo_export_options options = {.surface = rheo_default_surface_options()};
+    assert_int_equal(
+        rheo_world_export(rheo_player_world(player), RHEO_EXPORT_CSV, "stage/own.csv", &options, NULL, NULL),
+        RHEO_OK);
+    assert_files_same("stage/own.csv", "stage/a_000005_forces@1.csv");
+    rheo_player_close(player);
+    rheo_recording_close(recording);
+    assert_code(0, run("export a.rlog -o stage --format csv --step 5"));
+    assert_code(1, WEXITSTATUS(system("cmp -s stage/a_000005.csv stage/own.csv")));
+    assert_code(2, run("export a.rlog -o stage --format csv --step 5 --stage nothing"));
+    assert_one_message("nothing");
+    assert_code(2, run("export a.rlog -o stage --format csv --every 2 --stage forces"));
+    assert_one_message("--stage needs --step");
+}
+
+/* The colours of all steps have the range of the first, a middle and the last one, or the given one. */
+static void surfaces_of_a_call_have_one_range_of_colours(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    double range[2] = {0, 0};
+    for (int step = 0; step <= 8; step += 4) {
+        double own[2];
+        rheo_world *world = checkpoint_at("a.rlog", step);
+        assert_int_equal(rheo_world_colour_range(world, &(rheo_picture_options){.colour = "density"}, own, NULL),
+                         RHEO_OK);
+        range[0] = step == 0 || own[0] < range[0] ? own[0] : range[0];
+        range[1] = step == 0 || own[1] > range[1] ? own[1] : range[1];
+        rheo_world_destroy(world);
+    }
+    assert_code(0, run("export a.rlog -o colours --format ply,obj,surface --every 4 --color density"));
+    assert_in("colours/a_surface_000004.vtp\n", out);
+    assert_in("colours/a_surface.pvd\n", out);
+    rheo_world *world = checkpoint_at("a.rlog", 4);
+    rheo_export_options options = {.surface = rheo_default_surface_options(), .colour = "density", .range = range};
+    assert_int_equal(rheo_world_export(world, RHEO_EXPORT_PLY, "colours/own.ply", &options, NULL, NULL), RHEO_OK);
+    assert_files_same("colours/own.ply", "colours/a_000004.ply");
+    options.range = (const double[2]){1, 3.5};
+    options.z_up = true;
+    options.force = true;
+    assert_int_equal(rheo_world_export(world, RHEO_EXPORT_OBJ, "colours/own.obj", &options, NULL, NULL), RHEO_OK);
+    assert_code(0, run("export a.rlog -o given --format obj --step 4 --color density --range 1,3.5 --up z"));
+    assert_files_same("colours/own.obj", "given/a_000004.obj");
+    rheo_world_destroy(world);
+    assert_code(0, run("export a.rlog -o up --format csv --step 4"));
+    assert_code(0, run("export a.rlog -o up --format csv --step 4 --up y --force"));
+}
+
+static void options_that_do_not_fit_are_refused(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"--format csv --color speed", "--color and --range apply to surfaces; csv exports none"},
+        {"--format ply --range 1,2", "--range needs --color NAME"},
+        {"--format ply --range 1,2 --color none", "--range needs --color NAME"},
+        {"--format ply --color speed --range 2,1", "MIN below MAX; got \"2,1\""},
+        {"--format ply --color speed --range 2", "--range needs MIN,MAX"},
+        {"--format ply --color speed --range 1,2,3", "--range needs 2 numbers"},
+        {"--format ply --up x", "--up needs y or z; got \"x\""},
+        {"--format ply --color hue", "\"hue\""},
+    };
+    record("a.rlog");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_code(2, run("export a.rlog -o bad %s", cases[i][0]));
+        assert_one_message(cases[i][1]);
+    }
+    assert_int_equal(file_size("bad/a_000008.ply"), -1);
+}
+
 /* File names begin with at most 200 characters of the recording's. */
 static void a_long_name_is_refused(void **state)
 {
@@ -114,7 +196,7 @@ static void exports_are_the_same_whenever_made(void **state)
 {
     (void)state;
     record("a.rlog");
-    static const char *const formats[] = {"vtp", "ply", "obj", "csv", "pov", "springs", "solids"};
+    static const char *const formats[] = {"vtp", "ply", "obj", "csv", "pov", "springs", "solids", "surface"};
     for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
         const bool own_ending = f < 5;
         char one[64], other[64];
@@ -169,6 +251,9 @@ int main(void)
         cmocka_unit_test(export_has_its_keys),
         cmocka_unit_test(a_refused_export_prints_its_reason_as_json),
         cmocka_unit_test(several_formats_are_written_in_one_pass),
+        cmocka_unit_test(a_stage_of_a_step_is_exported),
+        cmocka_unit_test(surfaces_of_a_call_have_one_range_of_colours),
+        cmocka_unit_test(options_that_do_not_fit_are_refused),
         cmocka_unit_test(a_long_name_is_refused),
         cmocka_unit_test(exports_are_the_same_whenever_made),
         cmocka_unit_test(export_refuses_with_a_message),

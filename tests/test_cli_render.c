@@ -77,6 +77,39 @@ static void a_picture_has_the_pixels_of_the_library(void **state)
     free(read_png("c.png", 1280, 720));
 }
 
+/* The options of the camera are those of the library; a picture from above differs from the usual one. */
+static void the_camera_can_be_placed(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    const double target[3] = {3, 2.5, -1};
+    const struct {
+        const char *options;
+        rheo_camera camera;
+    } cases[] = {{"", {.direction = {-.42, -.5, -1}, .zoom = 1}},
+                 {"--look 0,-1,0", {.direction = {0, -1, 0}, .zoom = 1}},
+                 {"--look -1,-.5,.25 --target 3,2.5,-1 --zoom 1.5 --parallel",
+                  {.direction = {-1, -.5, .25}, .target = target, .zoom = 1.5, .parallel = true}}};
+    rheo_world *world = checkpoint_at("a.rlog", 5);
+    unsigned char *made = malloc(3 * 160 * 90), *first = malloc(3 * 160 * 90);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo_picture_options options = rheo_default_picture_options();
+        options.width = 160;
+        options.height = 90;
+        options.camera = &cases[i].camera;
+        assert_code(0, run("render a.rlog -o view.png --force --step 5 --size 160x90 %s", cases[i].options));
+        assert_int_equal(rheo_world_render(world, &options, made, NULL), RHEO_OK);
+        unsigned char *read = read_png("view.png", 160, 90);
+        assert_memory_equal(made, read, 3 * 160 * 90);
+        free(read);
+        assert_true(i == 0 || memcmp(made, first, 3 * 160 * 90) != 0);
+        memcpy(first, made, 3 * 160 * 90);
+    }
+    free(made);
+    free(first);
+    rheo_world_destroy(world);
+}
+
 /* The least and the largest value may be in any of the pictures that the range is chosen from. */
 static void a_range_of_a_film_has_the_extremes_of_its_pictures(void **state)
 {
@@ -302,6 +335,11 @@ static void usage_is_checked(void **state)
         {"none.rlog -o new.png --range 3,2", "MIN below MAX"},
         {"none.rlog -o new.png --range 2,2", "MIN below MAX"},
         {"none.rlog -o new.png --range 1,2 --color none", "--color none"},
+        {"none.rlog -o new.png --look 0,1", "--look needs 3 numbers"},
+        {"none.rlog -o new.png --look 0,0,0", "--look needs a direction, such as 0,-1,0 from above; got \"0,0,0\""},
+        {"none.rlog -o new.png --look 0,0,x", "--look needs a number"},
+        {"none.rlog -o new.png --target 1,2,3,4", "--target needs 3 numbers"},
+        {"none.rlog -o new.png --zoom 0", "--zoom needs a number between 0.01 and 1000"},
         {"none.rlog -o new.png --isovalue .5", "--surface"},
         {"none.rlog -o new.png --resolution 2", "--surface"},
         {"none.rlog -o new.png --surface --isovalue 1", "--isovalue"},
@@ -344,6 +382,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
 #ifdef WITH_PNG
         cmocka_unit_test(a_picture_has_the_pixels_of_the_library),
+        cmocka_unit_test(the_camera_can_be_placed),
         cmocka_unit_test(a_range_of_a_film_has_the_extremes_of_its_pictures),
         cmocka_unit_test(pictures_of_a_film_have_one_camera_and_one_range),
         cmocka_unit_test(a_stage_of_a_step_is_drawn),

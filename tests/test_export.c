@@ -440,7 +440,7 @@ static void files_are_kept_without_force(void **unused)
     (void)unused;
     rheo_world_def def = inert_def();
     rheo_world *world = world_of(def, 0, NULL, NULL);
-    const rheo_export_options options = {rheo_default_surface_options(), NULL, false};
+    const rheo_export_options options = {.surface = rheo_default_surface_options(), .force = false};
     for (uint32_t f = 0; rheo_export_format_name(f); f++) { /* a world without particles has valid files */
         char path[16];
         snprintf(path, sizeof path, "none.%s", rheo_export_format_name(f));
@@ -458,9 +458,9 @@ static void files_are_kept_without_force(void **unused)
     free(text);
     REFUSED(RHEO_ERROR_FILE, "no/such", rheo_world_export(world, 0, "no/such/file", &options, NULL, &error));
     rheo_exported none = {1, 1, 1, 1};
-    REFUSED(RHEO_ERROR_ARGUMENT, "format", rheo_world_export(world, 9, "x", &options, &none, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "format", rheo_world_export(world, 99, "x", &options, &none, &error));
     assert_int_equal(none.particles + none.vertices + none.triangles + none.left_out, 0);
-    assert_null(rheo_export_format_name(9));
+    assert_null(rheo_export_format_name(99));
     rheo_world_destroy(world);
 }
 

@@ -77,7 +77,8 @@ static void temperatures_are_painted(void **unused)
     rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
     static rheo__output out;
     OK(rheo__output_open(&out, "heat.ply", true, &error));
-    rheo__write_ply(&out, &s, &extent);
+    const rheo__colours heat = {.name = "temperature", .range = {10, 30}, .is_heat = true};
+    rheo__write_ply(&out, &s, &heat);
     OK(rheo__output_close(&out, RHEO_OK, &error));
     size_t size;
     char *text = (char *)read_file("heat.ply", &size);
@@ -95,7 +96,7 @@ static void temperatures_are_painted(void **unused)
     assert_true(blue > 20 && red > 20);
     free(text);
     OK(rheo__output_open(&out, "heat.pov", true, &error));
-    rheo__write_pov(&out, world, &s, &extent);
+    rheo__write_pov(&out, world, &s, &extent, &heat);
     OK(rheo__output_close(&out, RHEO_OK, &error));
     if (can_render()) {
         bool colours[512], cold = false, hot = false;
@@ -174,7 +175,8 @@ static char *pov_of(const rheo_world *world, const rheo_surface *surface, const 
     static rheo__output out;
     size_t size;
     OK(rheo__output_open(&out, "text.pov", true, &error));
-    rheo__write_pov(&out, world, surface, extent);
+    const rheo__colours heat = {.name = "temperature", .range = {extent->coldest, extent->hottest}, .is_heat = true};
+    rheo__write_pov(&out, world, surface, extent, &heat);
     OK(rheo__output_close(&out, RHEO_OK, &error));
     return (char *)read_file("text.pov", &size);
 }
@@ -419,12 +421,13 @@ static void shades_are_colours_at_equal_distances(void **unused)
     const rheo_surface surface = {
         .vertices = 3, .triangles = 1, .position = position, .normal = normal, .value = value, .triangle = triangle};
     const rheo_extent extent = {{0, 0, 0}, {1, 1, 1}, 280, 310};
+    const rheo__colours heat = {.name = "temperature", .range = {280, 310}, .is_heat = true};
     rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
     char *text = pov_of(world, &surface, &extent), *at = strstr(text, "texture_list {");
     assert_non_null(at);
     for (int i = 0; i < SHADES; i++) {
         double colour[3];
-        rheo__temperature_colour(280 + 30. * i / (SHADES - 1), &extent, colour);
+        rheo__colour_of(&heat, 280 + 30. * i / (SHADES - 1), colour);
         at = strstr(at, "color srgb <");
         assert_non_null(at);
         at += strlen("color srgb <");
@@ -493,7 +496,7 @@ static void the_ball_of_a_world_shows_its_orientation(void **unused)
         options.without_captions = true;
         static unsigned char rgb[3 * WIDTH * HEIGHT];
         OK(rheo_world_render(world, &options, rgb, &error));
-        const rheo__camera camera = rheo__camera_for(&extent, .23 * WIDTH / HEIGHT, .23);
+        const rheo__camera camera = rheo__camera_for(&extent, NULL, .23 * WIDTH / HEIGHT, .23);
         int seen[2] = {0, 0};
         for (int row = 0; row < HEIGHT; row++)
             for (int column = 0; column < WIDTH; column++) {

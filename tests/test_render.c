@@ -14,7 +14,7 @@ static const rheo_extent cube = {{-1, -1, -1}, {1, 1, 1}, 0, 1};
 static rheo__canvas new_canvas(void)
 {
     rheo__canvas c;
-    OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &cube, false, &error));
+    OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &cube, NULL, false, &error));
     return c;
 }
 
@@ -88,7 +88,7 @@ static void a_colour_bar_takes_its_part_of_the_width(void **unused)
     (void)unused;
     for (int bar = 0; bar < 2; bar++) {
         rheo__canvas c;
-        OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &cube, bar, &error));
+        OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &cube, NULL, bar, &error));
         assert_true(c.width == RHEO__SAMPLES * WIDTH && c.height == RHEO__SAMPLES * HEIGHT);
         const double up = .23, aside = .23 * WIDTH / HEIGHT, part = bar ? .13 : 0, step = 2 * up / c.height;
         for (uint32_t row = 0; row < c.height; row += c.height - 1)
@@ -98,7 +98,7 @@ static void a_colour_bar_takes_its_part_of_the_width(void **unused)
                 NEAR(ray[0] / ray[2], (column + .5) * step - aside * (1 - part), 1e-12);
                 NEAR(ray[1] / ray[2], up - (row + .5) * step, 1e-12);
             }
-        const rheo__camera camera = rheo__camera_for(&cube, aside * (1 - part), up);
+        const rheo__camera camera = rheo__camera_for(&cube, NULL, aside * (1 - part), up);
         for (int a = 0; a < 3; a++)
             NEAR(c.camera.eye[a], camera.eye[a], 1e-9);
         /* Corners of the extent are in that part of the picture, and one touches its edge. */
@@ -498,10 +498,10 @@ static uint64_t hash_of(const unsigned char *rgb)
 static void pictures_have_the_same_bytes_everywhere(void **unused)
 {
     (void)unused;
-    static const uint64_t expected[2][4] = {{UINT64_C(0x5e6a1c3e1dbd67ac), UINT64_C(0x3f10100ab2b1f8fb),
-                                             UINT64_C(0x5eeb622c6107a0e1), UINT64_C(0xd6ac8f9927acd705)},
-                                            {UINT64_C(0x4d1b22bca3201fc5), UINT64_C(0x048188d76c2aae52),
-                                             UINT64_C(0xbfb5ad4e6fe787f2), UINT64_C(0xd6ac8f9927acd705)}};
+    static const uint64_t expected[2][4] = {{UINT64_C(0x6f8bce54fd798c34), UINT64_C(0x3e6541faa7fbcd61),
+                                             UINT64_C(0x8a82844867c02147), UINT64_C(0x2ae4d798f7070b5f)},
+                                            {UINT64_C(0x8e833716710d644d), UINT64_C(0xcef91735ec074cc0),
+                                             UINT64_C(0xde4d1f1af01e5764), UINT64_C(0x2ae4d798f7070b5f)}};
     const rheo_surface_options surface = rheo_default_surface_options();
     const char *best = rheo_simd(), *name;
     int different = 0;
@@ -601,7 +601,7 @@ static void things_cast_shadows(void **unused)
     rheo_world *with = world_of(def, SIDE * SIDE, position, NULL), *without = world_of(def, 0, NULL, NULL);
     unsigned char *shaded = picture_of(with, options), *plain = picture_of(without, options);
     rheo__canvas c;
-    OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &extent, false, &error));
+    OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &extent, NULL, false, &error));
     /* The light comes from (-3.5, 7, 3). */
     double normal[3], height, seen[3];
     assert_true(rheo__is_floor(&def, 0, normal, &height));

@@ -229,7 +229,7 @@ static void a_link_stays_and_its_file_is_replaced(void **unused)
     assert_written_through();
     OK(rheo_bless(LINK, OTHER, "through a link", true, &v, &error));
     assert_written_through();
-    const rheo_export_options options = {rheo_default_surface_options(), NULL, true};
+    const rheo_export_options options = {.surface = rheo_default_surface_options(), .force = true};
     OK(rheo_world_export(world, RHEO_EXPORT_CSV, LINK, &options, NULL, &error));
     struct stat link = {0}, target = {0};
     assert_true(lstat(LINK, &link) == 0 && S_ISLNK(link.st_mode));

@@ -277,7 +277,7 @@ static void a_device_is_not_replaced(void **state)
     remove("test_writers.pipe");
     assert_int_equal(mkfifo("test_writers.pipe", 0600), 0);
     rheo_error why_not = {""};
-    const rheo_export_options options = {rheo_default_surface_options(), NULL, true};
+    const rheo_export_options options = {.surface = rheo_default_surface_options(), .force = true};
     assert_int_equal(rheo_world_export(world, RHEO_EXPORT_CSV, "test_writers.pipe", &options, NULL, &why_not),
                      RHEO_ERROR_ARGUMENT);
     assert_non_null(strstr(why_not.message, "no regular file"));

@@ -93,7 +93,7 @@ static inline rheo_surface surface_of(const cloud *c, rheo_surface_options optio
 static inline rheo_exported export_to(const rheo_world *world, rheo_export_format format, const char *path)
 {
     rheo_exported exported;
-    const rheo_export_options options = {rheo_default_surface_options(), NULL, true};
+    const rheo_export_options options = {.surface = rheo_default_surface_options(), .force = true};
     OK(rheo_world_export(world, format, path, &options, &exported, &error));
     return exported;
 }

@@ -91,9 +91,9 @@ RHEO_API void rheo_surface_release(rheo_surface *surface);
 typedef enum rheo_export_format {
     /** Particles with all their fields and quantities (rheo_world_quantity()), for ParaView: VTK XML PolyData. */
     RHEO_EXPORT_VTP = 0,
-    /** Surface, binary: vertices, normals, temperatures and their colours. */
+    /** Surface, binary: vertices, normals, the values of `colour` and their colours. */
     RHEO_EXPORT_PLY,
-    /** Surface, text: vertices and normals. */
+    /** Surface, text: vertices, of a given `colour` with red, green and blue behind their coordinates, and normals. */
     RHEO_EXPORT_OBJ,
     /** Scene for POV-Ray: surface, ball, floor, lights and camera. */
     RHEO_EXPORT_POV,
@@ -103,11 +103,13 @@ typedef enum rheo_export_format {
     RHEO_EXPORT_SPRINGS,
     /** Balls as spheres, walls as squares and vibrators as points: VTK XML PolyData. */
     RHEO_EXPORT_SOLIDS,
+    /** Surface, with normals and the values of `colour`: VTK XML PolyData. */
+    RHEO_EXPORT_SURFACE,
 } rheo_export_format;
 
 /** Name of a format: "vtp", "springs", ...; NULL past the last. */
 RHEO_API const char *rheo_export_format_name(uint32_t format);
-/** Ending of its files, which is the name but for springs and solids, "vtp"; NULL past the last format. */
+/** Ending of its files, which is the name, but "vtp" for springs, solids and surface; NULL past the last format. */
 RHEO_API const char *rheo_export_format_ending(uint32_t format);
 /** Whether a format contains the surface; the others contain particles, springs or solids. False past the last. */
 RHEO_API bool rheo_export_has_surface(rheo_export_format format);
@@ -132,10 +134,23 @@ RHEO_API rheo_extent rheo_extent_of_both(const rheo_extent *a, const rheo_extent
 typedef struct rheo_export_options {
     /** Options of its surface. */
     rheo_surface_options surface;
-    /** Region for the camera and range of the colours; NULL: those of the world. */
+    /** Region for the camera and range of the temperatures; NULL: those of the world. */
     const rheo_extent *extent;
     /** Replace an existing file. */
     bool force;
+    /**
+     * The vertices of the surface have the values of this, interpolated by the kernel, and their colours: a quantity or a
+     * field as in rheo_picture_options, of a vector the length; "none": no values. NULL, the default: the temperature in a
+     * world with temperatures, painted from blue to red; else none.
+     */
+    const char *colour;
+    /** Values with the first and the last colour of `colour`, as in rheo_picture_options. */
+    const double *range;
+    /**
+     * Turns the axes so that z is up: (x, y, z) is written as (x, -z, y), which stays right-handed. Positions, velocities
+     * and all other vectors, normals, spins, and the camera and lights of a scene are turned.
+     */
+    bool z_up;
 } rheo_export_options;
 
 /** Contents of a written file. */
@@ -174,6 +189,21 @@ RHEO_API rheo_result rheo_export_bytes(const char *path, const void *bytes, size
 /** Pixels of a picture in each direction, at least and at most. */
 enum { RHEO_PICTURE_MIN = 16, RHEO_PICTURE_MAX = 4096 };
 
+/** How the camera of a picture looks at its region. */
+typedef struct rheo_camera {
+    /** Direction in which it looks; its length does not count. Default (-0.42, -0.5, -1): from above, in front and right. */
+    double direction[3];
+    /** Point in the middle of the picture. Unit L. NULL, the default: the middle of the region. */
+    const double *target;
+    /** 1, the default: the picture contains the whole region; 2: everything is twice as large. Range 0.01 to 1000. */
+    double zoom;
+    /** Parallel lines stay parallel: the eye is 64 times as far away as usual. Default false. */
+    bool parallel;
+} rheo_camera;
+
+/** The default camera. */
+RHEO_API rheo_camera rheo_default_camera(void);
+
 /** Options of a picture. */
 typedef struct rheo_picture_options {
     /** Size. Unit pixels. Range RHEO_PICTURE_MIN to RHEO_PICTURE_MAX, default 1280 x 720. */
@@ -196,12 +226,15 @@ typedef struct rheo_picture_options {
     const rheo_surface_options *surface;
     /** Draws no colour scale, and writes no step and time. */
     bool without_captions;
+    /** NULL: the default camera. */
+    const rheo_camera *camera;
 } rheo_picture_options;
 
 /** Default options. */
 RHEO_API rheo_picture_options rheo_default_picture_options(void);
 /**
- * Draws a world: the fluid, the ball with its panels, and walls whose unit normal has y > 0.5 as floors. `rgb` receives
+ * Draws a world: the fluid, the ball with its panels, walls whose unit normal has y > 0.5 as floors, and vibrators as
+ * studs on the floor below them. `rgb` receives
  * 3 bytes for each pixel, red, green and blue in sRGB, row by row from the top. One world gives the same bytes on every
  * machine.
  *

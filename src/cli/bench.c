@@ -22,6 +22,7 @@ enum {
     REPETITIONS = 64,
     ERROR = 128,     /* --model and --study */
     PREDICTOR = 256, /* --count and --seed */
+    TRACE = 1024,    /* --trace */
     STABILITY = 512, /* --solvers, --step-sizes, --ratios, --stiffness */
     TIMES = PARTICLES | SCHEME | BASELINE | REPETITIONS,
 };
@@ -36,14 +37,14 @@ typedef struct measurement {
 } measurement;
 
 static const measurement MEASUREMENTS[] = {
-    {"table1", 300, POOL, 5, "0,50,150,500", TIMES | WINDOWS, cli_bench_run_table1},
-    {"history", 96, POOL, 5, "50,150,500,1000", TIMES | WINDOWS, cli_bench_run_history},
-    {"scaling", 30, 2000000, 5, NULL, TIMES, cli_bench_run_scaling},
-    {"features", 96, POOL, 5, NULL, TIMES, cli_bench_run_features},
-    {"limits", 300, POOL, 5, NULL, TIMES, cli_bench_run_limits},
-    {"table2", 10, 0, 5, NULL, TIMES & ~SCHEME, cli_bench_run_table2},
+    {"table1", 300, POOL, 5, "0,50,150,500", TIMES | TRACE | WINDOWS, cli_bench_run_table1},
+    {"history", 96, POOL, 5, "50,150,500,1000", TIMES | TRACE | WINDOWS, cli_bench_run_history},
+    {"scaling", 30, 2000000, 5, NULL, TIMES | TRACE, cli_bench_run_scaling},
+    {"features", 96, POOL, 5, NULL, TIMES | TRACE, cli_bench_run_features},
+    {"limits", 300, POOL, 5, NULL, TIMES | TRACE, cli_bench_run_limits},
+    {"table2", 10, 0, 5, NULL, (TIMES & ~SCHEME) | TRACE, cli_bench_run_table2},
     {"error", 0, 0, 1, NULL, (TIMES & ~SCHEME) | NAMES | OUTPUT | ERROR, cli_bench_run_error},
-    {"scenes", 0, 0, 5, NULL, (TIMES & ~PARTICLES) | NAMES, cli_bench_run_scenes},
+    {"scenes", 0, 0, 5, NULL, (TIMES & ~PARTICLES) | NAMES | TRACE, cli_bench_run_scenes},
     {"stability", 150, SMALL_POOL, 1, NULL, PARTICLES | OUTPUT | STABILITY, cli_bench_run_stability},
     {"predictor", 0, 0, 1, NULL, OUTPUT | PREDICTOR, cli_bench_run_predictor},
 };
@@ -156,6 +157,12 @@ static int check_options(const cli_bench_arguments *a, const measurement *m, con
         return cli_usage(&cli_bench, "prints --csv or --json, not both");
     for (size_t i = 0; i < count && status == CLI_DONE; i++)
         status = check_option(m, option[i].name, option[i].group, option[i].given);
+    if (status == CLI_DONE && a->trace && a->baseline)
+        status = cli_usage(&cli_bench, "--trace shows the steps of this program; it does not go with --baseline");
+    if (status == CLI_DONE && a->trace && !*a->trace)
+        status = cli_usage(&cli_bench, "--trace needs the name of a file");
+    if (status == CLI_DONE && a->trace && (status = cli_check_replaced(a->trace, true)) == CLI_DONE)
+        status = cli_check_folder(a->trace);
     if (status == CLI_DONE && a->folder && a->baseline)
         status = cli_usage(&cli_bench, "--output writes no comparison; print it with --csv");
     return status;
@@ -175,6 +182,7 @@ static int run(int argc, char **argv)
         {"--model", NULL, "NAME", CLI_TEXT, &a.model},
         {"--study", NULL, "NAME,NAME,...", CLI_TEXT, &a.studies},
         {"--output", "-o", "FOLDER", CLI_TEXT, &a.folder},
+        {"--trace", NULL, "FILE", CLI_TEXT, &a.trace},
         {"--scheme", NULL, "NAME", CLI_TEXT, &a.scheme},
         {"--scenes", NULL, "NAME,NAME,...", CLI_TEXT, &a.scenes},
         {"--count", NULL, "N", CLI_NUMBER, &scenes},
@@ -210,21 +218,15 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_bench, "scenes has one repetition per round with --baseline; use --rounds");
     if (timeout.given && !timeout.value)
         return cli_usage(&cli_bench, "--timeout must be at least 1");
-    const given_option given[] = {{WINDOWS, "--windows", windows != NULL},
-                                  {ERROR, "--model", a.model != NULL},
-                                  {ERROR, "--study", a.studies != NULL},
-                                  {OUTPUT, "--output", a.folder != NULL},
-                                  {SCHEME, "--scheme", a.scheme != NULL},
-                                  {NAMES, "--scenes", a.scenes != NULL},
-                                  {PARTICLES, "--particles", particles.given},
-                                  {BASELINE, "--baseline", a.baseline != NULL},
-                                  {REPETITIONS, "--repetitions", repetitions.given},
-                                  {PREDICTOR, "--count", scenes.given},
-                                  {PREDICTOR, "--seed", seed.given},
-                                  {STABILITY, "--solvers", a.solvers != NULL},
-                                  {STABILITY, "--step-sizes", a.step_sizes != NULL},
-                                  {STABILITY, "--ratios", a.ratios != NULL},
-                                  {STABILITY, "--stiffness", a.stiffness != NULL}};
+    const given_option given[] = {
+        {WINDOWS, "--windows", windows != NULL},      {ERROR, "--model", a.model != NULL},
+        {ERROR, "--study", a.studies != NULL},        {OUTPUT, "--output", a.folder != NULL},
+        {TRACE, "--trace", a.trace != NULL},          {SCHEME, "--scheme", a.scheme != NULL},
+        {NAMES, "--scenes", a.scenes != NULL},        {PARTICLES, "--particles", particles.given},
+        {BASELINE, "--baseline", a.baseline != NULL}, {REPETITIONS, "--repetitions", repetitions.given},
+        {PREDICTOR, "--count", scenes.given},         {PREDICTOR, "--seed", seed.given},
+        {STABILITY, "--solvers", a.solvers != NULL},  {STABILITY, "--step-sizes", a.step_sizes != NULL},
+        {STABILITY, "--ratios", a.ratios != NULL},    {STABILITY, "--stiffness", a.stiffness != NULL}};
     if ((status = check_options(&a, m, given, sizeof given / sizeof *given)) != CLI_DONE)
         return status;
     a.seed = seed.value;

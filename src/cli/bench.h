@@ -12,6 +12,7 @@ typedef struct cli_bench_arguments {
     const char *model;   /* error: the only model to be measured; NULL: all */
     const char *studies; /* error: their names with commas between; NULL: all */
     const char *folder;  /* error, stability, predictor: for files of the results; NULL: none */
+    const char *trace;   /* file for the stages of some steps of every case; NULL: none */
     const char *scheme;  /* value of `scheme`; NULL: that of the measurement */
     const char *scenes;  /* scenes, error: names of scenes or cases with commas between; NULL: all */
     char *
@@ -107,6 +108,20 @@ int cli_bench_no_memory(cli_bench_cases *cases);
  * in turn. Returns an exit code: CLI_DIFFERS if a repetition or a variant ends with a different hash.
  */
 int cli_bench_measure(cli_bench_cases *cases, cli_bench_arguments *a);
+
+/* A world that a case is measured with. */
+typedef struct cli_bench_run {
+    rheo_recording *recording;
+    rheo_world *world;
+    rheo_recorder *recorder; /* NULL: the run is not recorded */
+} cli_bench_run;
+
+/* Opens the world of a case, `steps` steps after its initial state. */
+int cli_bench_begin_run(const cli_bench_case *c, uint64_t steps, cli_bench_run *run);
+void cli_bench_end_run(cli_bench_run *run);
+
+/* Makes some more steps of every case and writes when each of their stages began and ended (bench_trace.c). */
+int cli_bench_trace(const cli_bench_cases *cases, const cli_bench_arguments *a);
 
 /* Number of substeps of the last step; 0: the model, or the scheme, has none. */
 double cli_bench_substeps(const rheo_world *world);

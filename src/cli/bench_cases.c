@@ -169,24 +169,17 @@ static int make_state(cli_bench_case *c, cli_bench_arguments *a)
 
 /* ---- Timed runs ---- */
 
-typedef struct timed_run {
-    rheo_recording *recording;
-    rheo_world *world;
-    rheo_recorder *recorder; /* NULL: the run is not recorded */
-} timed_run;
-
-static void end_run(timed_run *run)
+void cli_bench_end_run(cli_bench_run *run)
 {
     rheo_recorder_close(run->recorder, NULL);
     rheo_world_destroy(run->world);
     rheo_recording_close(run->recording);
-    *run = (timed_run){0};
+    *run = (cli_bench_run){0};
 }
 
-/* Opens the world of a case, `steps` steps after its initial state. */
-static int begin_run(const cli_bench_case *c, uint64_t steps, timed_run *run)
+int cli_bench_begin_run(const cli_bench_case *c, uint64_t steps, cli_bench_run *run)
 {
-    *run = (timed_run){0};
+    *run = (cli_bench_run){0};
     rheo_error error = {""};
     rheo_result result = rheo_recording_open_memory(c->state, c->state_size, &run->recording, &error);
     if (result == RHEO_OK)
@@ -196,7 +189,7 @@ static int begin_run(const cli_bench_case *c, uint64_t steps, timed_run *run)
         result = rheo_world_step(run->world, &error);
     if (result == RHEO_OK)
         return CLI_DONE;
-    end_run(run);
+    cli_bench_end_run(run);
     return cli_error(result, &error);
 }
 
@@ -228,11 +221,12 @@ static int check_variants(const cli_bench_cases *cases)
     uint64_t expected = 0;
     const char *first = rheo_simd_available(0), *name;
     for (uint32_t k = 0; status == CLI_DONE && (name = rheo_simd_available(k)) != NULL; k++) {
-        timed_run run;
-        if ((status = cli_use_simd(name)) != CLI_DONE || (status = begin_run(c, VARIANT_STEPS, &run)) != CLI_DONE)
+        cli_bench_run run;
+        if ((status = cli_use_simd(name)) != CLI_DONE ||
+            (status = cli_bench_begin_run(c, VARIANT_STEPS, &run)) != CLI_DONE)
             break;
         const uint64_t hash = rheo_world_hash(run.world);
-        end_run(&run);
+        cli_bench_end_run(&run);
         expected = k ? expected : hash;
         char label[2][48];
         snprintf(label[0], sizeof label[0], "simd %s", first);
@@ -255,9 +249,9 @@ double cli_bench_substeps(const rheo_world *world)
 
 static int repeat(cli_bench_case *c, uint32_t repetition)
 {
-    timed_run run;
+    cli_bench_run run;
     rheo_error error = {""};
-    int status = begin_run(c, c->warm_up, &run);
+    int status = cli_bench_begin_run(c, c->warm_up, &run);
     if (status != CLI_DONE)
         return status;
     rheo_world_reset_times(run.world);
@@ -269,7 +263,7 @@ static int repeat(cli_bench_case *c, uint32_t repetition)
         if (result == RHEO_OK)
             result = run.recorder ? rheo_recorder_step(run.recorder, &error) : rheo_world_step(run.world, &error);
         if (result != RHEO_OK) {
-            end_run(&run);
+            cli_bench_end_run(&run);
             return cli_error(result, &error);
         }
         substeps += cli_bench_substeps(run.world);
@@ -290,7 +284,7 @@ static int repeat(cli_bench_case *c, uint32_t repetition)
     c->neighbours = rheo_world_mean_neighbours(run.world);
     if (run.recorder)
         c->recorded_bytes = (double)(rheo_recorder_bytes(run.recorder) - begun) / (double)c->steps;
-    end_run(&run);
+    cli_bench_end_run(&run);
     c->hash = repetition ? c->hash : hash;
     char which[48];
     snprintf(which, sizeof which, "repetition %u", repetition + 1);
@@ -341,5 +335,5 @@ int cli_bench_measure(cli_bench_cases *cases, cli_bench_arguments *a)
             status = repeat(&cases->item[i], r);
         }
     cli_progress_end(&a->progress);
-    return status;
+    return status == CLI_DONE && a->trace ? cli_bench_trace(cases, a) : status;
 }

@@ -8,7 +8,7 @@ name=$1
 commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9_]*\),.*/\1/p' commands.def | tr '_\n' '- ')
 function=_$(printf %s "$name" | tr - _)
 formats=$(sed -n '/names\[\] = {/,/};/p' ../view/export.c | grep -o '"[a-z]*"' | tr -d '"' | tr '\n' ' ')
-colours=$(sed -n 's/^ *RHEO__QUANTITY(\([a-z_]*\),.*/\1/p' ../world/query_*.c | sort -u | tr '\n' ' ')none
+colours=$(sed -n 's/^ *RHEO__QUANTITY(\([a-z_]*\),.*/\1/p' ../world/query_*.c | sort -u | tr '\n' ' ')'material none'
 stages=$(sed -n 's/^[A-Z_]*STAGE("\([a-z_]*\)".*/\1/p' ../*/stages.def | sort -u | tr '\n' ' ')
 
 cat <<END
@@ -105,6 +105,7 @@ cat <<END
             compopt -o nospace
             ;;
         --stage) words='$stages' ;;
+        --up) words='y z' ;;
         --simd) words=\$("\$1" --version 2>/dev/null | sed -n 's/^simd: \(.*\) (.*/\1/p') ;;
         *) words='' ;;
         esac

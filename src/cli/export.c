@@ -5,7 +5,7 @@
 #include <string.h>
 
 typedef struct arguments {
-    const char *file, *folder, *format, *isovalue, *resolution, *simd;
+    const char *file, *folder, *format, *isovalue, *resolution, *colour, *range, *up, *simd;
     bool force, json;
 } arguments;
 
@@ -27,6 +27,7 @@ typedef struct export_state {
     char name[CLI_FILE_NAME]; /* prefix of all file names */
     char path[CLI_FILE_PATH];
     rheo_extent extent;
+    double range[2];
     double *times;
 } export_state;
 
@@ -89,16 +90,28 @@ static int check_usage(export_state *x, int operands)
     if (!a->folder || !*a->folder)
         return cli_usage(&cli_export, "needs -o DIR: the folder to write to");
     if (!a->format)
-        return cli_usage(&cli_export, "needs --format: vtp, ply, obj, pov, csv, springs or solids");
+        return cli_usage(&cli_export, "needs --format: vtp, ply, obj, pov, csv, springs, solids or surface");
     int status = find_formats(x);
     if (status != CLI_DONE)
         return status;
     if ((status = cli_check_steps(&cli_export, &x->steps)) != CLI_DONE)
         return status;
     if ((a->isovalue || a->resolution) && !any_surface(x))
-        return cli_usage(&cli_export, "--isovalue and --resolution apply to surfaces; %s exports particles",
-                         a->format);
-    x->options = (rheo_export_options){rheo_default_surface_options(), &x->extent, a->force};
+        return cli_usage(&cli_export, "--isovalue and --resolution apply to surfaces; %s exports none", a->format);
+    if ((a->colour || a->range) && !any_surface(x))
+        return cli_usage(&cli_export, "--color and --range apply to surfaces; %s exports none", a->format);
+    if (a->range && (!a->colour || strcmp(a->colour, "none") == 0))
+        return cli_usage(&cli_export, "--range needs --color NAME: the quantity whose values it names");
+    if (a->range && (status = cli_read_range(&cli_export, a->range, x->range)) != CLI_DONE)
+        return status;
+    if (a->up && strcmp(a->up, "y") != 0 && strcmp(a->up, "z") != 0)
+        return cli_usage(&cli_export, "--up needs y or z; got \"%s\"", a->up);
+    x->options = (rheo_export_options){.surface = rheo_default_surface_options(),
+                                       .extent = &x->extent,
+                                       .force = a->force,
+                                       .colour = a->colour,
+                                       .range = a->colour ? x->range : NULL,
+                                       .z_up = a->up && *a->up == 'z'};
     if ((status = cli_read_number(&cli_export, "--isovalue", a->isovalue, 0, 1, true,
                                   &x->options.surface.isovalue)) != CLI_DONE)
         return status;
@@ -118,10 +131,12 @@ static void set_contents(const export_state *x, char *contents, size_t size)
 /* Makes the file name of a step, with or without the folder. */
 static void set_path(export_state *x, bool with_folder, uint64_t index)
 {
-    char contents[32];
+    char contents[32], stage[48] = "";
     set_contents(x, contents, sizeof contents);
-    snprintf(x->path, sizeof x->path, "%s%s%s%s_%06llu.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
-             x->name, contents, (unsigned long long)cli_step_at(&x->steps, index),
+    if (x->steps.stage)
+        snprintf(stage, sizeof stage, "_%.40s", x->steps.stage);
+    snprintf(x->path, sizeof x->path, "%s%s%s%s_%06llu%s.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
+             x->name, contents, (unsigned long long)cli_step_at(&x->steps, index), stage,
              rheo_export_format_ending(x->now->format));
 }
 
@@ -222,12 +237,21 @@ static int export_step(void *data, rheo_player *player, uint64_t index)
     return status;
 }
 
+static int go_to_step(void *data, rheo_player *player, uint64_t index)
+{
+    const export_state *x = data;
+    return cli_seek(x->a->file, &x->steps, player, index);
+}
+
 static int export_steps(export_state *x, rheo_player *player)
 {
     bool has_extent = any_surface(x);
     for (uint32_t o = 0; o < x->output_count; o++)
         has_extent = has_extent || x->outputs[o].format == RHEO_EXPORT_SOLIDS;
     int status = has_extent ? cli_find_extent(x->a->file, &x->steps, player, &x->extent) : CLI_DONE;
+    if (status == CLI_DONE && x->a->colour && !x->a->range)
+        status = cli_find_range(&x->steps, player, go_to_step, x, &(rheo_picture_options){.colour = x->a->colour},
+                                x->range);
     if (status == CLI_DONE)
         status = cli_write_steps(x->a->file, &x->steps, player, export_step, x);
     return status == CLI_DONE ? for_each_output(x, write_collection) : status;
@@ -325,6 +349,10 @@ static int run(int argc, char **argv)
         {"--every", NULL, "N", CLI_NUMBER, &s->every},
         {"--from", NULL, "N", CLI_NUMBER, &s->from},
         {"--to", NULL, "N", CLI_NUMBER, &s->to},
+        {"--stage", NULL, "NAME", CLI_TEXT, &s->stage},
+        {"--up", NULL, "AXIS", CLI_TEXT, &a.up},
+        {"--color", NULL, "NAME", CLI_TEXT, &a.colour},
+        {"--range", NULL, "MIN,MAX", CLI_TEXT, &a.range},
         {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue},
         {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},

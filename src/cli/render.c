@@ -7,8 +7,9 @@
 #include "json/file_name.h"
 
 typedef struct arguments {
-    const char *file, *output, *colour, *range, *size, *isovalue, *resolution, *stage, *other, *simd;
-    bool surface, bare, force, json;
+    const char *file, *output, *colour, *range, *size, *isovalue, *resolution, *other, *simd;
+    const char *look, *target, *zoom;
+    bool parallel, surface, bare, force, json;
 } arguments;
 
 typedef struct render_state {
@@ -20,6 +21,8 @@ typedef struct render_state {
     char path[CLI_FILE_PATH];
     rheo_picture_options options;
     rheo_surface_options surface;
+    rheo_camera camera;
+    double target[3];
     rheo_extent extent;
     uint64_t written; /* files */
     double range[2];
@@ -45,19 +48,23 @@ static int read_size(render_state *x)
     return CLI_DONE;
 }
 
-/* Reads MIN,MAX. */
-static int read_range(render_state *x)
+/* Reads the options of the camera. */
+static int read_camera(render_state *x)
 {
-    const char *range = x->a->range, *comma = strchr(range, ',');
-    char least[64] = "";
-    if (!comma || comma - range >= (int)sizeof least)
-        return cli_usage(&cli_render, "--range needs MIN,MAX, as 0,2.5; got \"%s\"", range);
-    memcpy(least, range, (size_t)(comma - range));
-    int status = cli_read_number(&cli_render, "--range", least, -1e30, 1e30, false, &x->range[0]);
+    const arguments *a = x->a;
+    rheo_camera *c = &x->camera;
+    int status = CLI_DONE;
+    if (a->look)
+        status = cli_read_numbers(&cli_render, "--look", a->look, 3, 1e15, c->direction);
+    if (status == CLI_DONE && c->direction[0] == 0 && c->direction[1] == 0 && c->direction[2] == 0)
+        return cli_usage(&cli_render, "--look needs a direction, such as 0,-1,0 from above; got \"%s\"", a->look);
+    if (status == CLI_DONE && a->target)
+        status = cli_read_numbers(&cli_render, "--target", a->target, 3, 1e30, x->target);
     if (status == CLI_DONE)
-        status = cli_read_number(&cli_render, "--range", comma + 1, -1e30, 1e30, false, &x->range[1]);
-    if (status == CLI_DONE && !(x->range[0] < x->range[1]))
-        return cli_usage(&cli_render, "--range needs MIN below MAX; got \"%s\"", range);
+        status = cli_read_number(&cli_render, "--zoom", a->zoom, .01, 1000, false, &c->zoom);
+    c->target = a->target ? x->target : NULL;
+    c->parallel = a->parallel;
+    x->options.camera = c;
     return status;
 }
 
@@ -93,15 +100,15 @@ static int check_usage(render_state *x, int operands)
     if (status == CLI_DONE && a->size)
         status = read_size(x);
     if (status == CLI_DONE && a->range)
-        status = read_range(x);
+        status = cli_read_range(&cli_render, a->range, x->range);
+    if (status == CLI_DONE)
+        status = read_camera(x);
     if (status != CLI_DONE)
         return status;
     if (a->range && a->colour && strcmp(a->colour, "none") == 0)
         return cli_usage(&cli_render, "--range applies to colours; --color none has none");
     if (a->other && a->colour && strcmp(a->colour, "none") == 0)
         return cli_usage(&cli_render, "--compare paints a difference; it does not go with --color none");
-    if (a->stage && !x->steps.step.given)
-        return cli_usage(&cli_render, "--stage needs --step N: the step that the stage belongs to");
     if ((a->isovalue || a->resolution) && !a->surface)
         return cli_usage(&cli_render, "--isovalue and --resolution apply to --surface");
     status = cli_read_number(&cli_render, "--isovalue", a->isovalue, 0, 1, true, &x->surface.isovalue);
@@ -140,44 +147,16 @@ static int check_files(render_state *x)
 
 /* ---- Pictures ---- */
 
-/* Moves a player to a step, or right after a stage of it. */
-static int seek(const render_state *x, const char *path, rheo_player *player, uint64_t index)
-{
-    rheo_error error = {""};
-    const uint64_t step = cli_step_at(&x->steps, index);
-    const rheo_result result = x->a->stage ? rheo_player_seek_stage(player, step, x->a->stage, &error)
-                                           : rheo_player_seek(player, step, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_file_error(path, result, &error);
-}
-
 /* Moves both players to a step. */
-static int seek_both(render_state *x, rheo_player *player, uint64_t index)
+static int seek_both(void *data, rheo_player *player, uint64_t index)
 {
-    int status = seek(x, x->a->file, player, index);
+    render_state *x = data;
+    int status = cli_seek(x->a->file, &x->steps, player, index);
     if (status == CLI_DONE && x->other_player)
-        status = seek(x, x->a->other, x->other_player, index);
+        status = cli_seek(x->a->other, &x->steps, x->other_player, index);
     if (status == CLI_DONE && x->other_player)
         x->options.other = rheo_player_world(x->other_player); /* another one after every move */
     return status;
-}
-
-/* Chooses one range of colours for all pictures: it contains those of the first, a middle and the last step. */
-static int find_range(render_state *x, rheo_player *player)
-{
-    const uint64_t index[3] = {x->steps.count - 1, x->steps.count / 2, 0};
-    for (int i = 0; i < 3; i++) {
-        rheo_error error = {""};
-        double range[2];
-        const int status = seek_both(x, player, index[i]);
-        if (status != CLI_DONE)
-            return status;
-        const rheo_result result = rheo_world_colour_range(rheo_player_world(player), &x->options, range, &error);
-        if (result != RHEO_OK)
-            return cli_error(result, &error);
-        x->range[0] = i == 0 || range[0] < x->range[0] ? range[0] : x->range[0];
-        x->range[1] = i == 0 || range[1] > x->range[1] ? range[1] : x->range[1];
-    }
-    return CLI_DONE;
 }
 
 static int draw_step(void *data, rheo_player *player, uint64_t index)
@@ -202,7 +181,7 @@ static int draw_steps(render_state *x, rheo_player *player)
 {
     int status = cli_find_extent(x->a->file, &x->steps, player, &x->extent);
     if (status == CLI_DONE && !x->a->range)
-        status = find_range(x, player);
+        status = cli_find_range(&x->steps, player, seek_both, x, &x->options, x->range);
     return status == CLI_DONE ? cli_write_steps(x->a->file, &x->steps, player, draw_step, x) : status;
 }
 
@@ -272,7 +251,10 @@ static int render_recording(render_state *x)
 static int run(int argc, char **argv)
 {
     arguments a = {0};
-    render_state x = {.a = &a, .options = rheo_default_picture_options(), .surface = rheo_default_surface_options()};
+    render_state x = {.a = &a,
+                      .options = rheo_default_picture_options(),
+                      .surface = rheo_default_surface_options(),
+                      .camera = rheo_default_camera()};
     cli_steps *s = &x.steps;
     const cli_option options[] = {
         {"--output", "-o", "FILE", CLI_TEXT, &a.output},
@@ -281,13 +263,17 @@ static int run(int argc, char **argv)
         {"--every", NULL, "N", CLI_NUMBER, &s->every},
         {"--from", NULL, "N", CLI_NUMBER, &s->from},
         {"--to", NULL, "N", CLI_NUMBER, &s->to},
-        {"--stage", NULL, "NAME", CLI_TEXT, &a.stage},
+        {"--stage", NULL, "NAME", CLI_TEXT, &s->stage},
         {"--color", NULL, "NAME", CLI_TEXT, &a.colour},
         {"--compare", NULL, "G.rlog", CLI_TEXT, &a.other},
         {"--range", NULL, "MIN,MAX", CLI_TEXT, &a.range},
         {"--surface", NULL, NULL, CLI_FLAG, &a.surface},
         {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue},
         {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
+        {"--look", NULL, "X,Y,Z", CLI_TEXT, &a.look},
+        {"--target", NULL, "X,Y,Z", CLI_TEXT, &a.target},
+        {"--zoom", NULL, "Z", CLI_TEXT, &a.zoom},
+        {"--parallel", NULL, NULL, CLI_FLAG, &a.parallel},
         {"--size", NULL, "WxH", CLI_TEXT, &a.size},
         {"--bare", NULL, NULL, CLI_FLAG, &a.bare},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},

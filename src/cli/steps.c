@@ -42,6 +42,8 @@ int cli_check_steps(const cli_command *command, cli_steps *steps)
         return cli_usage(command, "--step N is one step; it does not go with --steps, --every, --from and --to");
     if (steps->list && (steps->every.given || steps->from.given || steps->to.given))
         return cli_usage(command, "--steps lists all steps; it does not go with --every, --from and --to");
+    if (steps->stage && !steps->step.given)
+        return cli_usage(command, "--stage needs --step N: the step that the stage belongs to");
     if (steps->list)
         return read_list(command, steps);
     if (steps->every.given && steps->every.value == 0)
@@ -100,6 +102,34 @@ int cli_read_number(const cli_command *command, const char *option, const char *
                          inside ? "strictly between" : "between", minimum, maximum, text);
     *value = number;
     return CLI_DONE;
+}
+
+int cli_read_numbers(const cli_command *command, const char *option, const char *text, uint32_t count, double limit,
+                     double *value)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        char word[64] = "";
+        const size_t length = strcspn(text, ",");
+        if ((text[length] == ',') != (i + 1 < count))
+            return cli_usage(command, "%s needs %u numbers with commas between them", option, count);
+        if (length < sizeof word)
+            memcpy(word, text, length);
+        const int status = cli_read_number(command, option, word, -limit, limit, false, &value[i]);
+        if (status != CLI_DONE)
+            return status;
+        text += length + 1;
+    }
+    return CLI_DONE;
+}
+
+int cli_read_range(const cli_command *command, const char *text, double range[2])
+{
+    if (!strchr(text, ','))
+        return cli_usage(command, "--range needs MIN,MAX, as 0,2.5; got \"%s\"", text);
+    const int status = cli_read_numbers(command, "--range", text, 2, 1e30, range);
+    if (status == CLI_DONE && !(range[0] < range[1]))
+        return cli_usage(command, "--range needs MIN below MAX; got \"%s\"", text);
+    return status;
 }
 
 /* ---- Files ---- */
@@ -162,10 +192,12 @@ int cli_check_results(const char *folder, const char *name, bool plot)
 
 /* ---- Steps ---- */
 
-static int seek(const char *path, const cli_steps *steps, rheo_player *player, uint64_t index)
+int cli_seek(const char *path, const cli_steps *steps, rheo_player *player, uint64_t index)
 {
     rheo_error error = {""};
-    const rheo_result result = rheo_player_seek(player, cli_step_at(steps, index), &error);
+    const uint64_t step = cli_step_at(steps, index);
+    const rheo_result result = steps->stage ? rheo_player_seek_stage(player, step, steps->stage, &error)
+                                            : rheo_player_seek(player, step, &error);
     return result == RHEO_OK ? CLI_DONE : cli_file_error(path, result, &error);
 }
 
@@ -173,12 +205,31 @@ int cli_find_extent(const char *path, const cli_steps *steps, rheo_player *playe
 {
     rheo_extent of[2];
     for (int end = 1; end >= 0; end--) {
-        const int status = seek(path, steps, player, end ? steps->count - 1 : 0);
+        const int status = cli_seek(path, steps, player, end ? steps->count - 1 : 0);
         if (status != CLI_DONE)
             return status;
         of[end] = rheo_world_extent(rheo_player_world(player));
     }
     *extent = rheo_extent_of_both(&of[0], &of[1]);
+    return CLI_DONE;
+}
+
+int cli_find_range(const cli_steps *steps, rheo_player *player, cli_write_step *go, void *data,
+                   const rheo_picture_options *options, double range[2])
+{
+    const uint64_t index[3] = {steps->count - 1, steps->count / 2, 0};
+    for (int i = 0; i < 3; i++) {
+        rheo_error error = {""};
+        double its[2];
+        const int status = go(data, player, index[i]);
+        if (status != CLI_DONE)
+            return status;
+        const rheo_result result = rheo_world_colour_range(rheo_player_world(player), options, its, &error);
+        if (result != RHEO_OK)
+            return cli_error(result, &error);
+        range[0] = i == 0 || its[0] < range[0] ? its[0] : range[0];
+        range[1] = i == 0 || its[1] > range[1] ? its[1] : range[1];
+    }
     return CLI_DONE;
 }
 
@@ -192,7 +243,7 @@ int cli_write_steps(const char *path, const cli_steps *steps, rheo_player *playe
             return cli_fail(CLI_INTERRUPTED, "interrupted after %llu of %llu step%s", (unsigned long long)i,
                             (unsigned long long)steps->count, cli_plural(steps->count));
         }
-        status = seek(path, steps, player, i);
+        status = cli_seek(path, steps, player, i);
         if (status == CLI_DONE)
             status = write(data, player, i);
         const double now = cli_now();

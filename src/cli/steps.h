@@ -6,10 +6,11 @@
 
 enum { CLI_MOST_STEPS = 64 };
 
-/* The options --step, --steps, --every, --from and --to, and the steps that they choose. */
+/* The options --step, --steps, --every, --from, --to and --stage, and the steps that they choose. */
 typedef struct cli_steps {
     cli_number step, every, from, to;
     const char *list;            /* of --steps */
+    const char *stage;           /* the state right after this stage of --step; NULL: at the end of steps */
     uint64_t at[CLI_MOST_STEPS]; /* count, if there is a list */
     uint64_t first, last, apart, count;
 } cli_steps;
@@ -21,10 +22,18 @@ int cli_check_steps(const cli_command *command, cli_steps *steps);
 /* Chooses the steps of a recording; without options its last. Refuses steps that it does not hold. */
 int cli_choose_steps(const char *path, const rheo_recording *recording, cli_steps *steps);
 uint64_t cli_step_at(const cli_steps *steps, uint64_t index);
+/* Moves a player to one of the steps, or right after the stage of it. The path is for messages. */
+int cli_seek(const char *path, const cli_steps *steps, rheo_player *player, uint64_t index);
 
 /* Reads the number of an option, between two numbers; `inside`: strictly. Text NULL keeps the value. */
 int cli_read_number(const cli_command *command, const char *option, const char *text, double minimum, double maximum,
                     bool inside, double *value);
+
+/* Reads numbers with commas between them, as many as `value` has room for. */
+int cli_read_numbers(const cli_command *command, const char *option, const char *text, uint32_t count, double limit,
+                     double *value);
+/* Reads MIN,MAX of --range. */
+int cli_read_range(const cli_command *command, const char *text, double range[2]);
 
 enum { CLI_FILE_NAME = 256, CLI_FILE_PATH = 4096 + 300 };
 /* File names begin with the name of the recording, without its extension. */
@@ -51,6 +60,9 @@ void cli_stage_run_name(const rheo_world *world, uint32_t stage, uint32_t *last,
 
 /* Writes the files of a step, at which the player is. Returns CLI_DONE to go on. */
 typedef int cli_write_step(void *data, rheo_player *player, uint64_t index);
+/* Chooses one range of colours for all pictures: it contains those of the first, a middle and the last step. `go` goes there. */
+int cli_find_range(const cli_steps *steps, rheo_player *player, cli_write_step *go, void *data,
+                   const rheo_picture_options *options, double range[2]);
 /* Goes to each of the steps and writes it. Shows the progress, and ends when it is interrupted. */
 int cli_write_steps(const char *path, const cli_steps *steps, rheo_player *player, cli_write_step *write, void *data);
 

@@ -11,18 +11,18 @@
 /* The part of the width that is left to a colour bar. */
 #define BAR_PART .13
 
-static const double KEY[3] = {-3.5, 7, 3}; /* direction of the key light */
+static const double KEY[3] = {-3.5, 7, 3}; /* direction of the key light for the default camera */
 
 rheo_result rheo__canvas_make(rheo__canvas *canvas, uint32_t width, uint32_t height, const rheo_extent *extent,
-                              bool has_scale, rheo_error *error)
+                              const rheo_camera *how, bool has_scale, rheo_error *error)
 {
     rheo__canvas *c = canvas;
     *c = (rheo__canvas){.width = RHEO__SAMPLES * width, .height = RHEO__SAMPLES * height};
     const double slope_aside = SLOPE_UP * width / height, part = has_scale ? BAR_PART : 0;
-    c->camera = rheo__camera_for(extent, slope_aside * (1 - part), SLOPE_UP);
-    c->step = 2 * SLOPE_UP / c->height;
-    c->left = slope_aside * (part - 1) + .5 * c->step;
-    c->top = SLOPE_UP - .5 * c->step;
+    c->camera = rheo__camera_for(extent, how, slope_aside * (1 - part), SLOPE_UP);
+    c->step = 2 * SLOPE_UP / c->height * c->camera.lens;
+    c->left = slope_aside * (part - 1) * c->camera.lens + .5 * c->step;
+    c->top = SLOPE_UP * c->camera.lens - .5 * c->step;
     const size_t samples = (size_t)c->width * c->height, cells = (size_t)RHEO__SHADOW * RHEO__SHADOW;
     c->sample = malloc(samples * sizeof *c->sample);
     c->shadow = malloc(cells * sizeof *c->shadow);
@@ -35,10 +35,7 @@ rheo_result rheo__canvas_make(rheo__canvas *canvas, uint32_t width, uint32_t hei
         c->sample[i] = nothing;
     for (size_t i = 0; i < cells; i++)
         c->shadow[i] = __builtin_inff();
-    double key[3];
-    memcpy(key, KEY, sizeof key);
-    rheo__view_normalise(key);
-    rheo__canvas_direction(c, key, c->light);
+    rheo__canvas_light_from(c, KEY, c->light);
     rheo__view_cross((const double[3]){0, 0, 1}, c->light, c->light_aside);
     rheo__view_normalise(c->light_aside);
     rheo__view_cross(c->light, c->light_aside, c->light_up);
@@ -60,6 +57,17 @@ void rheo__canvas_direction(const rheo__canvas *canvas, const double direction[3
     seen[0] = rheo__view_dot(direction, canvas->camera.aside);
     seen[1] = rheo__view_dot(direction, canvas->camera.up);
     seen[2] = rheo__view_dot(direction, canvas->camera.forward);
+}
+
+void rheo__canvas_light_from(const rheo__canvas *canvas, const double from[3], double seen[3])
+{
+    const double *turn = canvas->camera.turn,
+                 level = .1; /* a camera that looks up more steeply has its lights below */
+    double direction[3] = {turn[0] * from[0] - turn[1] * from[2],
+                           canvas->camera.forward[1] > level ? -from[1] : from[1],
+                           turn[1] * from[0] + turn[0] * from[2]};
+    rheo__view_normalise(direction);
+    rheo__canvas_direction(canvas, direction, seen);
 }
 
 void rheo__canvas_point(const rheo__canvas *canvas, const double point[3], double seen[3])

@@ -21,6 +21,7 @@ typedef enum rheo__paint {
     RHEO__PAINT_PALE,
     RHEO__PAINT_FLOOR,
     RHEO__PAINT_LINE, /* lines of equal height on a tilted floor */
+    RHEO__PAINT_VIBRATOR,
     RHEO__PAINT_NONE, /* the background */
     RHEO__PAINTS
 } rheo__paint;
@@ -45,14 +46,19 @@ typedef struct rheo__canvas {
 
 enum { RHEO__SHADOW = 1024 }; /* cells along each side of the square */
 
-/* Allocates the samples and shadows of a picture and chooses its camera. */
+/* Allocates the samples and shadows of a picture and places its camera; NULL: the default one. */
 rheo_result rheo__canvas_make(rheo__canvas *canvas, uint32_t width, uint32_t height, const rheo_extent *extent,
-                              bool has_scale, rheo_error *error);
+                              const rheo_camera *how, bool has_scale, rheo_error *error);
 void rheo__canvas_release(rheo__canvas *canvas);
 
 /* A point or, without the eye, a direction of the world in the frame of the camera. */
 void rheo__canvas_point(const rheo__canvas *canvas, const double point[3], double seen[3]);
 void rheo__canvas_direction(const rheo__canvas *canvas, const double direction[3], double seen[3]);
+/*
+ * The direction of a light that moves around with the camera; `from`: where it is for the default camera. If the camera looks
+ * up, it is below.
+ */
+void rheo__canvas_light_from(const rheo__canvas *canvas, const double from[3], double seen[3]);
 /* The ray of a sample. */
 static inline void rheo__canvas_ray(const rheo__canvas *canvas, uint32_t column, uint32_t row, double ray[3])
 {

@@ -3,6 +3,7 @@
  * Colours are linear: the stored value of a pixel is the square root, which is close to sRGB.
  */
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/math.h"
 #include "view/canvas.h"
@@ -27,6 +28,8 @@ typedef struct lights {
     double tap[PHASES][TAPS][2]; /* points of the unit disc */
     double fill[3], sky[3];      /* directions */
     view *view;                  /* of each pixel */
+    /* Number of tiles above and to the left of a corner that show something else than one floor and the background. */
+    uint32_t *busy, corners; /* row by row; corners in a row */
 } lights;
 
 /* ---- Shadows: the depths that the light sees ---- */
@@ -128,6 +131,58 @@ static double lit_part(const lights *l, int phase, const double point[3], const 
 
 /* ---- Crevices ---- */
 
+static bool is_floor(const rheo__sample *s)
+{
+    return s->paint == RHEO__PAINT_FLOOR || s->paint == RHEO__PAINT_LINE;
+}
+
+/* Most of a picture is a floor that nothing is near. A floor hides no sky from itself, so points need not be looked at. */
+enum { TILE = 16 };
+
+static bool is_busy(const rheo__canvas *c, uint32_t left, uint32_t top)
+{
+    const rheo__sample *floor = NULL;
+    for (uint32_t row = top; row < top + TILE && row < c->height; row++)
+        for (uint32_t column = left; column < left + TILE && column < c->width; column++) {
+            const rheo__sample *s = &c->sample[(size_t)row * c->width + column];
+            if (s->paint == RHEO__PAINT_NONE)
+                continue;
+            floor = floor ? floor : s;
+            if (!is_floor(s) || memcmp(s->normal, floor->normal, sizeof s->normal) != 0)
+                return true;
+        }
+    return false;
+}
+
+static bool count_tiles(lights *l)
+{
+    const rheo__canvas *c = l->canvas;
+    const uint32_t across = (c->width + TILE - 1) / TILE, down = (c->height + TILE - 1) / TILE;
+    l->corners = across + 1;
+    l->busy = calloc((size_t)l->corners * (down + 1), sizeof *l->busy);
+    for (uint32_t k = 0; l->busy && k < down; k++)
+        for (uint32_t i = 0, sum = 0; i < across; i++) {
+            uint32_t *corner = &l->busy[(size_t)k * l->corners + i];
+            sum += is_busy(c, TILE * i, TILE * k);
+            corner[l->corners + 1] = corner[1] + sum;
+        }
+    return l->busy != NULL;
+}
+
+/* Whether a floor fills what is around a sample. Two floors with one normal are parallel, and the upper one hides the lower. */
+static bool is_plain(const lights *l, uint32_t column, uint32_t row, double radius)
+{
+    const rheo__canvas *c = l->canvas;
+    const double x = column + .5, y = row + .5;
+    const uint32_t left = (uint32_t)(x > radius ? x - radius : 0) / TILE,
+                   top = (uint32_t)(y > radius ? y - radius : 0) / TILE;
+    const double right = x + radius < c->width ? x + radius : c->width - 1,
+                 bottom = y + radius < c->height ? y + radius : c->height - 1;
+    const size_t first = (size_t)top * l->corners, last = (size_t)((uint32_t)bottom / TILE + 1) * l->corners;
+    const uint32_t end = (uint32_t)right / TILE + 1;
+    return l->busy[last + end] - l->busy[last + left] - l->busy[first + end] + l->busy[first + left] == 0;
+}
+
 /* The part of the sky that a point sees: things in front of its tangent plane hide some, near ones more. */
 static double open_part(const lights *l, int phase, uint32_t column, uint32_t row, const double point[3],
                         const double normal[3])
@@ -135,6 +190,8 @@ static double open_part(const lights *l, int phase, uint32_t column, uint32_t ro
     const rheo__canvas *c = l->canvas;
     const double radius = l->reach / (point[2] * c->step), square = l->reach * l->reach;
     double hidden = 0;
+    if (is_floor(&c->sample[(size_t)row * c->width + column]) && is_plain(l, column, row, radius))
+        return 1;
     for (int t = 0; t < TAPS; t++) {
         const double x = column + .5 + radius * l->tap[phase][t][0], y = row + .5 + radius * l->tap[phase][t][1];
         if (!(x >= 0 && x < c->width && y >= 0 && y < c->height))
@@ -156,11 +213,6 @@ static double open_part(const lights *l, int phase, uint32_t column, uint32_t ro
 }
 
 /* ---- Views ---- */
-
-static bool is_floor(const rheo__sample *s)
-{
-    return s->paint == RHEO__PAINT_FLOOR || s->paint == RHEO__PAINT_LINE;
-}
 
 static void place_of(const lights *l, uint32_t column, uint32_t row, double point[3], double normal[3])
 {
@@ -315,7 +367,6 @@ static void light_pixel(const lights *l, uint32_t column, uint32_t row, unsigned
 rheo_result rheo__canvas_light(const rheo__canvas *canvas, double reach, unsigned char *rgb, rheo_error *error)
 {
     static const double FILL[3] = {6, 3, 6}, SKY[3] = {0, 1, 0};
-    double fill[3] = {FILL[0], FILL[1], FILL[2]};
     lights l = {.canvas = canvas,
                 .width = canvas->width / RHEO__SAMPLES,
                 .height = canvas->height / RHEO__SAMPLES,
@@ -324,11 +375,12 @@ rheo_result rheo__canvas_light(const rheo__canvas *canvas, double reach, unsigne
                 .blur = .3 * reach};
     const size_t pixels = (size_t)l.width * l.height;
     l.view = malloc(pixels * sizeof *l.view);
-    if (!l.view)
+    if (!l.view || !count_tiles(&l)) {
+        free(l.view);
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a picture of %u x %u pixels", l.width, l.height);
-    rheo__view_normalise(fill);
-    rheo__canvas_direction(canvas, fill, l.fill);
-    rheo__canvas_direction(canvas, SKY, l.sky);
+    }
+    rheo__canvas_light_from(canvas, FILL, l.fill);
+    rheo__canvas_light_from(canvas, SKY, l.sky);
     /* A spiral in which each point turns by the golden section covers the disc evenly. */
     for (int i = 0; i < PHASES * TAPS; i++) {
         const double radius = __builtin_sqrt((i + .5) / (PHASES * TAPS)), turns = .6180339887498949 * i;
@@ -341,6 +393,7 @@ rheo_result rheo__canvas_light(const rheo__canvas *canvas, double reach, unsigne
     for (uint32_t row = 0; row < l.height; row++)
         for (uint32_t column = 0; column < l.width; column++)
             light_pixel(&l, column, row, rgb + 3 * ((size_t)row * l.width + column));
+    free(l.busy);
     free(l.view);
     return RHEO_OK;
 }

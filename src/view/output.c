@@ -18,6 +18,7 @@ rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, r
     out->path = path;
     out->used = 0;
     out->trouble = 0;
+    out->z_up = false;
     if (!force && rheo__file_exists(path))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s exists already; replacing it needs force", path);
     RHEO__TRY(rheo__output_target(path, &out->target, error));

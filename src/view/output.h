@@ -18,11 +18,19 @@ typedef struct rheo__output {
     const char *path;
     char *target, *name; /* where `path` leads to, and the temporary name until the file is complete */
     size_t used;
+    bool z_up;   /* vectors are turned (rheo__output_turn()); false until a writer sets it */
     int trouble; /* errno of the first write that failed */
     unsigned char buffer[RHEO__OUTPUT_BUFFER];
 } rheo__output;
 
 rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, rheo_error *error);
+/* Turns a vector of the world as the file needs it: (x, y, z) becomes (x, -z, y) in a file with z up. */
+static inline void rheo__output_turn(const rheo__output *out, double v[3])
+{
+    const double z = out->z_up ? v[1] : v[2];
+    v[1] = out->z_up ? 0 - v[2] : v[1]; /* not -0 */
+    v[2] = z;
+}
 /* Renames the file to its path; removes it if `result` is not RHEO_OK or a write failed. */
 rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error *error);
 
@@ -71,8 +79,15 @@ size_t rheo__column_element_size(const rheo__column *column);
 rheo_result rheo__world_surface(const rheo_world *world, const rheo_surface_options *options, const rheo_real *value,
                                 rheo_surface *surface, rheo_error *error);
 
-/* Colour of a temperature: red, green and blue in sRGB, from 0 to 1. */
-void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3]);
+/* What the vertices of a surface have. */
+typedef struct rheo__colours {
+    const char *name; /* of their values */
+    double range[2];  /* values with the first and the last colour */
+    bool is_heat;     /* painted from blue to red; else with the scale of pictures */
+} rheo__colours;
+
+/* Colour of a value: red, green and blue in sRGB, from 0 to 1. */
+void rheo__colour_of(const rheo__colours *colours, double value, double rgb[3]);
 
 /* ---- Formats ---- */
 
@@ -81,9 +96,12 @@ void rheo__write_csv(rheo__output *out, const rheo_world *world, const rheo__col
 /* Fails before it writes anything. */
 rheo_result rheo__write_springs(rheo__output *out, const rheo_world *world, rheo_error *error);
 void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_extent *extent);
-void rheo__write_ply(rheo__output *out, const rheo_surface *surface, const rheo_extent *extent);
-void rheo__write_obj(rheo__output *out, const rheo_surface *surface);
+/* Surfaces, whose vectors are as the file needs them. Colours count for surfaces with values; of OBJ NULL: none. */
+void rheo__write_ply(rheo__output *out, const rheo_surface *surface, const rheo__colours *colours);
+void rheo__write_obj(rheo__output *out, const rheo_surface *surface, const rheo__colours *colours);
+void rheo__write_surface(rheo__output *out, const rheo_world *world, const rheo_surface *surface,
+                         const rheo__colours *colours);
 void rheo__write_pov(rheo__output *out, const rheo_world *world, const rheo_surface *surface,
-                     const rheo_extent *extent);
+                     const rheo_extent *extent, const rheo__colours *colours);
 
 #endif

@@ -125,6 +125,30 @@ static void draw_balls(picture *p)
     }
 }
 
+/* Vibrators are studs in the floor below them, or at the lowest height of the picture. */
+static void draw_vibrators(picture *p, const rheo_extent *extent)
+{
+    const rheo_world_def *def = rheo_world_definition(p->world);
+    double normal[3] = {0, 1, 0}, offset = extent->min[1];
+    for (uint32_t i = def->walls.count; i-- > 0;) {
+        double of[3], its;
+        if (rheo__is_floor(def, i, of, &its)) {
+            memcpy(normal, of, sizeof normal);
+            offset = its;
+        }
+    }
+    for (uint32_t i = 0; i < rheo_world_vibrator_count(p->world); i++) {
+        rheo_vibrator v;
+        if (rheo_world_vibrator(p->world, i, &v) != RHEO_OK)
+            continue;
+        rheo__ball stud = {.radius = .5 * def->fluid.spacing, .paint = RHEO__PAINT_VIBRATOR};
+        rheo__canvas_point(&p->canvas,
+                           (const double[3]){v.x, (offset - normal[0] * v.x - normal[2] * v.z) / normal[1], v.z},
+                           stud.centre);
+        rheo__draw_sphere(&p->canvas, &stud);
+    }
+}
+
 static void draw_floors(picture *p)
 {
     const rheo_world_def *def = rheo_world_definition(p->world);
@@ -140,7 +164,8 @@ static void draw_floors(picture *p)
 static void set_colours(rheo__canvas *canvas)
 {
     static const double OTHERS[RHEO__PAINTS - RHEO__SHADES][3] = {{.90, .85, .72}, {.10, .20, .42}, {.93, .90, .82},
-                                                                  {.86, .87, .89}, {.68, .70, .73}, {0, 0, 0}};
+                                                                  {.86, .87, .89}, {.68, .70, .73}, {.55, .22, .12},
+                                                                  {0, 0, 0}};
     for (int i = 0; i < RHEO__PAINTS; i++) {
         double colour[3];
         if (i < RHEO__SHADES)
@@ -161,6 +186,8 @@ static rheo_result check(const rheo_picture_options *o, rheo_error *error)
                           RHEO_PICTURE_MIN, RHEO_PICTURE_MAX, o->width, o->height);
     if (range && !(range[0] <= range[1] && range[0] >= -1e30 && range[1] <= 1e30))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the range of colours must ascend and be within 1e30");
+    if (o->camera)
+        RHEO__TRY(rheo__camera_check(o->camera, error));
     return rheo__check_environment(error);
 }
 
@@ -169,10 +196,11 @@ static rheo_result draw(picture *p, unsigned char *rgb, rheo_error *error)
     const rheo_picture_options *o = p->options;
     const rheo_extent extent = o->extent ? *o->extent : rheo_world_extent(p->world);
     const bool has_scale = p->values.value && !o->without_captions;
-    RHEO__TRY(rheo__canvas_make(&p->canvas, o->width, o->height, &extent, has_scale, error));
+    RHEO__TRY(rheo__canvas_make(&p->canvas, o->width, o->height, &extent, o->camera, has_scale, error));
     set_colours(&p->canvas);
     draw_balls(p);
     draw_floors(p);
+    draw_vibrators(p, &extent);
     rheo_result result = o->surface ? draw_surface(p, error) : draw_particles(p, error);
     if (result == RHEO_OK)
         result = rheo__canvas_light(&p->canvas, 3 * rheo_world_definition(p->world)->fluid.spacing, rgb, error);

@@ -9,8 +9,9 @@
 /* ---- Values that are painted ---- */
 
 typedef struct rheo__painted {
-    char name[64], unit[32]; /* as in a caption; name "" if there are none */
-    rheo_real *value;        /* of each particle */
+    char name[64], unit[32];         /* as in a caption; name "" if there are none */
+    rheo_real *value;                /* of each particle */
+    const rheo_world_def *materials; /* the values are numbers of materials; NULL: they are not */
 } rheo__painted;
 
 /* Reads what the options say: a quantity or a field, of a vector the length; or its difference between two worlds. */
@@ -23,7 +24,7 @@ rheo_result rheo__painted_range(const rheo__painted *values, uint32_t count, dou
 /* Colour of the scale at a place between 0 and 1: red, green and blue in sRGB, from 0 to 1. */
 void rheo__scale_colour(double place, double colour[3]);
 
-enum { RHEO__LABELS = 10 };
+enum { RHEO__LABELS = 1 + RHEO_MAX_MATERIALS };
 
 /* A value of the scale, and its place between 0 and 1. */
 typedef struct rheo__label {
@@ -31,6 +32,8 @@ typedef struct rheo__label {
     char text[32];
 } rheo__label;
 
+/* The names of the materials whose numbers are in a range; returns how many. */
+uint32_t rheo__material_labels(const rheo_world_def *def, const double range[2], rheo__label label[RHEO__LABELS]);
 /* Chooses round values for the labels of a range, ascending; returns their number, at least 1. */
 uint32_t rheo__scale_labels(const double range[2], rheo__label label[RHEO__LABELS]);
 

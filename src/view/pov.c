@@ -2,7 +2,8 @@
  * Writes a scene for POV-Ray 3.7. It contains the surface as a mesh2 with normals, the balls, the floor, two lights,
  * and a camera that shows the whole extent. It renders without changes: povray +Iframe.pov +Oframe.png -D
  *
- * Y is up. Axes are right-handed here and left-handed in POV-Ray; the negative `right` of the camera mirrors them.
+ * Y is up, or z (rheo__output_turn()). Axes are right-handed here and left-handed in POV-Ray; the negative `right` of the
+ * camera mirrors them.
  */
 #include "view/camera.h"
 #include "view/output.h"
@@ -11,11 +12,18 @@
 #define SLOPE_UP .23
 #define SLOPE_ASIDE (SLOPE_UP * 4 / 3)
 
-static void put_vector(rheo__output *out, const double v[3])
+static void put_three(rheo__output *out, const double v[3])
 {
     rheo__output_text(out, "<");
     rheo__output_doubles(out, v, 3, ", ");
     rheo__output_text(out, ">");
+}
+
+static void put_vector(rheo__output *out, const double v[3])
+{
+    double turned[3] = {v[0], v[1], v[2]};
+    rheo__output_turn(out, turned);
+    put_three(out, turned);
 }
 
 /* ---- Camera and lights ---- */
@@ -37,7 +45,7 @@ static void put_stage(rheo__output *out, const rheo__camera *s)
         "#version 3.7;\nglobal_settings { assumed_gamma 1 }\n#default { finish { ambient 0.12 diffuse 0.7 } }\n\n"
         "camera {\n  right -x*image_width/image_height\n  up y\n  direction z*");
     rheo__output_double(out, .5 / SLOPE_UP);
-    rheo__output_text(out, "\n  location ");
+    rheo__output_text(out, out->z_up ? "\n  sky z\n  location " : "\n  location ");
     put_vector(out, s->eye);
     rheo__output_text(out, "\n  look_at ");
     put_vector(out, s->centre);
@@ -76,8 +84,10 @@ static void put_floors(rheo__output *out, const rheo_world_def *def, double size
         rheo__output_text(out, ", ");
         rheo__output_double(out, offset);
         if (normal[0] != 0 || normal[2] != 0) {
-            rheo__output_text(out, "\n  pigment {\n    gradient y color_map { [0.93 color srgb <0.78, 0.79, 0.81>] "
-                                   "[0.93 color srgb <0.62, 0.64, 0.67>] }\n    scale ");
+            rheo__output_format(out,
+                                "\n  pigment {\n    gradient %s color_map { [0.93 color srgb <0.78, 0.79, 0.81>] "
+                                "[0.93 color srgb <0.62, 0.64, 0.67>] }\n    scale ",
+                                out->z_up ? "z" : "y");
             rheo__output_double(out, .2 * size);
             rheo__output_text(out, "\n  }");
         } else {
@@ -91,21 +101,16 @@ static void put_floors(rheo__output *out, const rheo_world_def *def, double size
 static void put_rotation(rheo__output *out, const double q[4])
 {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
-    const double m[12] = {1 - 2 * (y * y + z * z),
-                          2 * (x * y + w * z),
-                          2 * (x * z - w * y),
-                          2 * (x * y - w * z),
-                          1 - 2 * (x * x + z * z),
-                          2 * (y * z + w * x),
-                          2 * (x * z + w * y),
-                          2 * (y * z - w * x),
-                          1 - 2 * (x * x + y * y),
-                          0,
-                          0,
-                          0};
+    double row[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+                        {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+                        {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
     rheo__output_text(out, "  matrix <");
-    rheo__output_doubles(out, m, 12, ", ");
-    rheo__output_text(out, ">\n");
+    for (int k = 0; k < 3; k++) {
+        rheo__output_turn(out, row[k]);
+        rheo__output_doubles(out, row[k], 3, ", ");
+        rheo__output_text(out, ", ");
+    }
+    rheo__output_text(out, "0, 0, 0>\n");
 }
 
 /* A dark ball with a pale ring, which shows its spin. */
@@ -130,24 +135,24 @@ static void put_balls(rheo__output *out, const rheo_world *world)
     }
 }
 
-/* Number of colours for temperatures. POV-Ray interpolates between vertices. */
+/* Number of colours of values. POV-Ray interpolates between vertices. */
 enum { SHADES = 64 };
 
-static int shade_of(double temperature, const rheo_extent *e)
+static int shade_of(double value, const rheo__colours *c)
 {
-    const double range = e->hottest - e->coldest;
-    const double shade = range > 0 ? (temperature - e->coldest) / range * (SHADES - 1) + .5 : 0;
+    const double range = c->range[1] - c->range[0];
+    const double shade = range > 0 ? (value - c->range[0]) / range * (SHADES - 1) + .5 : 0;
     return shade > 0 ? shade < SHADES ? (int)shade : SHADES - 1 : 0;
 }
 
-static void put_shades(rheo__output *out, const rheo_extent *e)
+static void put_shades(rheo__output *out, const rheo__colours *c)
 {
     rheo__output_format(out, "texture_list {\n  %d", SHADES);
     for (int i = 0; i < SHADES; i++) {
-        double colour[3];
-        rheo__temperature_colour(e->coldest + (e->hottest - e->coldest) * i / (SHADES - 1), e, colour);
+        double rgb[3];
+        rheo__colour_of(c, c->range[0] + (c->range[1] - c->range[0]) * i / (SHADES - 1), rgb);
         rheo__output_text(out, ",\n  texture { pigment { color srgb ");
-        put_vector(out, colour);
+        put_three(out, rgb);
         rheo__output_text(out, " } finish { fluid_finish } }");
     }
     rheo__output_text(out, "\n}\n");
@@ -164,7 +169,7 @@ static void put_vectors(rheo__output *out, const char *name, const float *vector
     rheo__output_text(out, "\n}\n");
 }
 
-static void put_surface(rheo__output *out, const rheo_surface *s, const rheo_extent *e)
+static void put_surface(rheo__output *out, const rheo_surface *s, const rheo__colours *colours)
 {
     rheo__output_text(out,
                       "#declare fluid_finish = finish { ambient 0.12 diffuse 0.72 specular 0.35 roughness 0.02 }\n");
@@ -174,13 +179,13 @@ static void put_surface(rheo__output *out, const rheo_surface *s, const rheo_ext
     put_vectors(out, "vertex_vectors", s->position, s->vertices);
     put_vectors(out, "normal_vectors", s->normal, s->vertices);
     if (s->value)
-        put_shades(out, e);
+        put_shades(out, colours);
     rheo__output_format(out, "face_indices {\n%u", s->triangles);
     for (size_t t = 0; t < s->triangles; t++) {
         const uint32_t *v = s->triangle + 3 * t;
         rheo__output_format(out, ",\n<%u,%u,%u>", v[0], v[1], v[2]);
         for (int k = 0; s->value && k < 3; k++)
-            rheo__output_format(out, ",%d", shade_of((double)s->value[v[k]], e));
+            rheo__output_format(out, ",%d", shade_of((double)s->value[v[k]], colours));
     }
     rheo__output_text(out, "\n}\n");
     if (!s->value)
@@ -189,14 +194,14 @@ static void put_surface(rheo__output *out, const rheo_surface *s, const rheo_ext
 }
 
 void rheo__write_pov(rheo__output *out, const rheo_world *world, const rheo_surface *surface,
-                     const rheo_extent *extent)
+                     const rheo_extent *extent, const rheo__colours *colours)
 {
-    const rheo__camera s = rheo__camera_for(extent, SLOPE_ASIDE, SLOPE_UP);
+    const rheo__camera s = rheo__camera_for(extent, NULL, SLOPE_ASIDE, SLOPE_UP);
     rheo__output_format(
         out, "// Step %llu, made by rheolog %s. Render it by: povray +Iframe.pov +Oframe.png +W800 +H600 +A -D\n",
         (unsigned long long)rheo_world_step_count(world), rheo_version());
     put_stage(out, &s);
     put_floors(out, rheo_world_definition(world), s.size);
     put_balls(out, world);
-    put_surface(out, surface, extent);
+    put_surface(out, surface, colours);
 }

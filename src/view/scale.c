@@ -93,6 +93,8 @@ static rheo_result refuse(const rheo_world *world, const char *name, rheo_error 
     char all[400] = "none";
     for (uint32_t i = 0; (quantity = rheo_world_quantity(world, i)) != NULL; i++)
         rheo__text_add(all, sizeof all, ", %s", quantity->name);
+    if (rheo_world_definition(world)->materials.count)
+        rheo__text_add(all, sizeof all, ", material");
     return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                       "particles of the %s model have no \"%.60s\" that could be painted; there are: %s",
                       rheo_model_name(rheo_world_definition(world)->model), name, all);
@@ -182,6 +184,8 @@ rheo_result rheo__painted_read(const rheo_world *world, const rheo_picture_optio
         return RHEO_OK;
     RHEO__TRY(read_numbers(world, name, &n, error));
     rheo_result result = options->other ? subtract(&n, options->other, name, error) : RHEO_OK;
+    if (strcmp(name, "material") == 0 && !options->other)
+        values->materials = rheo_world_definition(world);
     if (result == RHEO_OK) {
         set_caption(values, name, &n, options->other != NULL);
         result = set_values(values, &n, options->other != NULL, error);
@@ -209,6 +213,11 @@ rheo_result rheo__painted_range(const rheo__painted *values, uint32_t count, dou
     size_t finite = 0;
     range[0] = 0;
     range[1] = 1;
+    if (values->materials) { /* all of them, so that each keeps its colour */
+        range[1] = values->materials->materials.count;
+        free(sorted);
+        return RHEO_OK;
+    }
     if (!sorted)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the range of %u values", count);
     for (uint32_t i = 0; values->value && i < count; i++)
@@ -237,6 +246,16 @@ rheo_result rheo_world_colour_range(const rheo_world *world, const rheo_picture_
 
 /* ---- The colour scale ---- */
 
+/* The colour at a place between 0 and 1 of a scale with so many stops. */
+static void between_stops(const double (*stop)[3], int stops, double place, double colour[3])
+{
+    double index = place * (stops - 1);
+    index = index > 0 ? index < stops - 1 ? index : stops - 1 : 0;
+    const int below = index < stops - 1 ? (int)index : stops - 2;
+    for (int a = 0; a < 3; a++)
+        colour[a] = stop[below][a] + (index - below) * (stop[below + 1][a] - stop[below][a]);
+}
+
 /*
  * From dark violet over blue and green to yellow. The lightness grows evenly, so that the order of colours is seen by
  * people who confuse red and green, and in grey print.
@@ -246,11 +265,25 @@ void rheo__scale_colour(double place, double colour[3])
     enum { STOPS = 7 };
     static const double stop[STOPS][3] = {{.31, .18, .53}, {.28, .33, .66}, {.19, .47, .69}, {.14, .60, .63},
                                           {.29, .72, .50}, {.61, .82, .32}, {.98, .91, .30}};
-    double index = place * (STOPS - 1);
-    index = index > 0 ? index < STOPS - 1 ? index : STOPS - 1 : 0;
-    const int below = index < STOPS - 1 ? (int)index : STOPS - 2;
-    for (int a = 0; a < 3; a++)
-        colour[a] = stop[below][a] + (index - below) * (stop[below + 1][a] - stop[below][a]);
+    between_stops(stop, STOPS, place, colour);
+}
+
+/* From blue over a pale middle to red, so that both sides of a front differ. */
+static void heat_colour(double place, double colour[3])
+{
+    enum { STOPS = 5 };
+    static const double stop[STOPS][3] = {
+        {.12, .25, .66}, {.35, .65, .85}, {.93, .88, .75}, {.95, .55, .25}, {.75, .10, .10}};
+    between_stops(stop, STOPS, place, colour);
+}
+
+void rheo__colour_of(const rheo__colours *colours, double value, double rgb[3])
+{
+    const double width = colours->range[1] - colours->range[0];
+    if (colours->is_heat)
+        heat_colour(width > 0 ? (value - colours->range[0]) / width : 0, rgb);
+    else
+        rheo__scale_colour(width > 0 ? (value - colours->range[0]) / width : .5, rgb);
 }
 
 /* ---- Captions ---- */
@@ -285,7 +318,7 @@ static void write_labels(const double *value, uint32_t count, rheo__label *label
 
 uint32_t rheo__scale_labels(const double range[2], rheo__label label[RHEO__LABELS])
 {
-    enum { MOST_STEPS = RHEO__LABELS - 2 };
+    enum { MOST_STEPS = 8 };
     const double width = range[1] - range[0], least = 1e-15 * (range[1] > -range[0] ? range[1] : -range[0]);
     double value[RHEO__LABELS] = {range[0]};
     uint32_t count = 0;
@@ -306,6 +339,20 @@ uint32_t rheo__scale_labels(const double range[2], rheo__label label[RHEO__LABEL
     return count;
 }
 
+uint32_t rheo__material_labels(const rheo_world_def *def, const double range[2], rheo__label label[RHEO__LABELS])
+{
+    const double width = range[1] - range[0];
+    uint32_t count = 0;
+    for (uint32_t number = 0; number <= def->materials.count && count < RHEO__LABELS; number++)
+        if (number >= range[0] && number <= range[1]) {
+            label[count].place = width > 0 ? (number - range[0]) / width : .5;
+            rheo__text_print(label[count].text, sizeof label->text, "%.31s",
+                             rheo_world_def_material_name(def, number));
+            count++;
+        }
+    return count;
+}
+
 static uint32_t pixel_at(double place, uint32_t end)
 {
     return place > 0 ? place < end ? (uint32_t)place : end : 0;
@@ -321,8 +368,10 @@ void rheo__sheet_scale(const rheo__sheet *sheet, const rheo__painted *values, co
 {
     rheo__label label[RHEO__LABELS];
     char title[100];
-    const uint32_t labels = rheo__scale_labels(range, label);
+    const uint32_t labels =
+        values->materials ? rheo__material_labels(values->materials, range, label) : rheo__scale_labels(range, label);
     const double letters = letters_of(sheet), bottom = .84 * sheet->height, length = .62 * sheet->height;
+    const uint32_t parts = values->materials ? labels : 0; /* of the bar, one for each material */
     double room = 5.1 * letters;
     for (uint32_t i = 0; i < labels; i++) {
         const double needed = rheo__text_length(letters, label[i].text);
@@ -330,15 +379,18 @@ void rheo__sheet_scale(const rheo__sheet *sheet, const rheo__painted *values, co
     }
     const double left = sheet->width - room - 3.1 * letters, right = left + 1.5 * letters;
     for (uint32_t row = pixel_at(bottom - length, sheet->height); row < pixel_at(bottom, sheet->height); row++) {
-        double colour[3];
-        rheo__scale_colour((bottom - row - .5) / length, colour);
+        double colour[3], place = (bottom - row - .5) / length;
+        if (parts)
+            place = label[pixel_at(place * parts, parts - 1)].place;
+        rheo__scale_colour(place, colour);
         for (uint32_t column = pixel_at(left, sheet->width); column < pixel_at(right, sheet->width); column++)
             for (int a = 0; a < 3; a++)
                 sheet->rgb[3 * ((size_t)row * sheet->width + column) + (size_t)a] =
                     (unsigned char)(255 * colour[a] + .5);
     }
     for (uint32_t i = 0; i < labels; i++)
-        rheo__sheet_text(sheet, right + .6 * letters, bottom - length * label[i].place + .5 * letters, letters,
+        rheo__sheet_text(sheet, right + .6 * letters,
+                         bottom - length * (parts ? (i + .5) / parts : label[i].place) + .5 * letters, letters,
                          label[i].text);
     rheo__text_print(title, sizeof title, "%s%s%s", values->name, *values->unit ? ", " : "", values->unit);
     const double end = sheet->width - letters, begin = end - rheo__text_length(letters, title);

@@ -140,13 +140,23 @@ static double distance_to(const double end[2][2], double x, double y)
     return __builtin_sqrt(away[0] * away[0] + away[1] * away[1]);
 }
 
-static void darken(const rheo__sheet *sheet, uint32_t column, uint32_t row, double part)
+static const double INK[3] = {.08, .09, .11}, HALO[3] = {.93, .94, .96};
+
+/* How dark a pixel is: 0 in front of the background and a floor, even in a shadow, to 1. */
+static double darkness(const rheo__sheet *sheet, uint32_t column, uint32_t row)
 {
-    static const double INK[3] = {.08, .09, .11};
+    const unsigned char *pixel = sheet->rgb + 3 * ((size_t)row * sheet->width + column);
+    const double dark = (.6 - (pixel[0] + pixel[1] + pixel[2]) / 765.) / .2;
+    return dark > 0 ? dark < 1 ? dark : 1 : 0;
+}
+
+/* Mixes a pixel with a colour. */
+static void mix(const rheo__sheet *sheet, uint32_t column, uint32_t row, const double colour[3], double part)
+{
     unsigned char *pixel = sheet->rgb + 3 * ((size_t)row * sheet->width + column);
     for (int k = 0; k < 3; k++) {
         const double old = pixel[k] / 255.;
-        pixel[k] = (unsigned char)(255 * __builtin_sqrt((1 - part) * old * old + part * INK[k] * INK[k]) + .5);
+        pixel[k] = (unsigned char)(255 * __builtin_sqrt((1 - part) * old * old + part * colour[k] * colour[k]) + .5);
     }
 }
 
@@ -155,9 +165,11 @@ static uint32_t within(double place, uint32_t end)
     return place > 0 ? place < end ? (uint32_t)place : end : 0;
 }
 
-static void draw_lines(const rheo__sheet *sheet, const lines *l, double x, double y, double unit)
+/* A halo around the lines lets them be read in front of something dark. */
+static void draw_lines(const rheo__sheet *sheet, const lines *l, double x, double y, double unit, bool halo)
 {
-    const double half = THICKNESS * UNITS * unit > .6 ? THICKNESS * UNITS * unit : .6, margin = half + 1;
+    const double thin = THICKNESS * UNITS * unit > .6 ? THICKNESS * UNITS * unit : .6, wide = thin + .7 * unit + 1,
+                 half = halo ? wide : thin, soft = halo ? .7 * unit + 1 : 1, margin = half + 1;
     const uint32_t left = within(x - margin, sheet->width),
                    right = within(x + 4 * NARROW * unit + margin, sheet->width),
                    top = within(y - (9 - BASE) * unit - margin, sheet->height),
@@ -169,19 +181,23 @@ static void draw_lines(const rheo__sheet *sheet, const lines *l, double x, doubl
                 const double distance = distance_to(l->end[i], column + .5, row + .5);
                 nearest = distance < nearest ? distance : nearest;
             }
-            const double part = half + .5 - nearest;
+            const double part = (half + .5 - nearest) / soft;
             if (part > 0)
-                darken(sheet, column, row, part < 1 ? part : 1);
+                mix(sheet, column, row, halo ? HALO : INK,
+                    (halo ? .8 * darkness(sheet, column, row) : 1) * (part < 1 ? part : 1));
         }
 }
 
 void rheo__sheet_text(const rheo__sheet *sheet, double x, double y, double height, const char *text)
 {
     const double unit = height / UNITS;
-    for (; *text; text++) {
-        const lines l = lines_of(*text, x, y, unit);
-        draw_lines(sheet, &l, x, y, unit);
-        x += NARROW * unit * (width_of(*text) + 2);
+    for (int halo = 1; halo >= 0; halo--) {
+        double left = x;
+        for (const char *letter = text; *letter; letter++) {
+            const lines l = lines_of(*letter, left, y, unit);
+            draw_lines(sheet, &l, left, y, unit, halo == 1);
+            left += NARROW * unit * (width_of(*letter) + 2);
+        }
     }
 }
 

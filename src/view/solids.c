@@ -1,7 +1,7 @@
 /*
  * Writes what is no fluid as VTP: balls as spheres whose octants have two colours, so that their spin can be seen; walls
- * as squares as large as the fluid; vibrators as points. Cells have a kind (0 wall, 1 ball, 2 vibrator), an index, and a
- * panel (of a ball: 0 or 1).
+ * as squares as large as the fluid; vibrators as points. Cells have a kind (0 wall, 1 ball, 2 vibrator), an index, a panel
+ * (of a ball: 0 or 1), and the velocity and the spin of the ball.
  */
 #include "view/vectors.h"
 #include "view/vtp.h"
@@ -56,8 +56,10 @@ static bool is_mirrored(int octant)
 
 static void put_point(const solids *s, const double point[3])
 {
+    double turned[3] = {point[0], point[1], point[2]};
+    rheo__output_turn(s->vtp.out, turned);
     for (int axis = 0; axis < 3; axis++)
-        rheo__output_little_float(s->vtp.out, (float)point[axis]);
+        rheo__output_little_float(s->vtp.out, (float)turned[axis]);
 }
 
 /* A square around the point of the wall that is nearest to the centre. */
@@ -176,6 +178,23 @@ static void put_column(const solids *s, column c, uint32_t cells)
                                 4);
 }
 
+enum { VECTORS = 2 };
+
+/* The velocity or the spin of each cell's body; 0 of what does not move. */
+static void put_vectors(const solids *s, bool spin, uint32_t cells)
+{
+    static const double NONE[3] = {0, 0, 0};
+    rheo__vtp_begin_array(&s->vtp, (uint64_t)cells * 3 * sizeof(float));
+    for (uint32_t i = 0; i < s->vibrators + s->walls; i++)
+        put_point(s, NONE);
+    for (uint32_t i = 0; i < s->balls; i++) {
+        rheo_body ball = {.radius = 0};
+        rheo_world_body(s->world, i, &ball);
+        for (int k = 0; k < BALL_TRIANGLES; k++)
+            put_point(s, spin ? ball.spin : ball.velocity);
+    }
+}
+
 void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_extent *extent)
 {
     static const char *const NAMES[COLUMNS] = {"kind", "index", "panel"};
@@ -196,6 +215,8 @@ void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_e
     rheo__vtp_open(&s.vtp, "CellData", " Scalars=\"kind\"");
     for (int c = 0; c < COLUMNS; c++)
         rheo__vtp_declare(&s.vtp, RHEO_ELEMENT_U32, NAMES[c], 1, (uint64_t)cells * 4);
+    for (int v = 0; v < VECTORS; v++)
+        rheo__vtp_declare(&s.vtp, RHEO_ELEMENT_F32, v ? "spin" : "velocity", 3, (uint64_t)cells * 3 * sizeof(float));
     rheo__vtp_close(&s.vtp, "CellData");
     rheo__vtp_open(&s.vtp, "Points", "");
     rheo__vtp_declare(&s.vtp, RHEO_ELEMENT_F32, "position", 3, (uint64_t)points * 3 * sizeof(float));
@@ -206,6 +227,8 @@ void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_e
     rheo__vtp_begin_values(&s.vtp);
     for (int c = 0; c < COLUMNS; c++)
         put_column(&s, (column)c, cells);
+    for (int v = 0; v < VECTORS; v++)
+        put_vectors(&s, v == 1, cells);
     put_points(&s, points);
     rheo__vtp_progression(&s.vtp, 0, 1, s.vibrators, 8);
     rheo__vtp_progression(&s.vtp, 1, 1, s.vibrators, 8);

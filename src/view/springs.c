@@ -32,15 +32,20 @@ static rheo_real value_of(const rheo_spring_state *s, int value)
 
 static void put_values(const rheo__vtp *vtp, const rheo_world *world, const rheo_spring_state *springs, size_t count)
 {
-    const size_t values = 3 * (size_t)rheo_world_particle_count(world);
+    const size_t points = rheo_world_particle_count(world);
     for (int v = 0; v < VALUES; v++) {
         rheo__vtp_begin_array(vtp, (uint64_t)count * sizeof(rheo_real));
         for (size_t i = 0; i < count; i++)
             put_real(vtp->out, value_of(&springs[i], v));
     }
-    rheo__vtp_begin_array(vtp, (uint64_t)values * sizeof(rheo_real));
-    for (size_t i = 0; i < values; i++)
-        put_real(vtp->out, rheo_world_positions(world)[i]);
+    rheo__vtp_begin_array(vtp, 3 * (uint64_t)points * sizeof(rheo_real));
+    for (size_t i = 0; i < points; i++) {
+        const rheo_real *x = rheo_world_positions(world) + 3 * i;
+        double turned[3] = {(double)x[0], (double)x[1], (double)x[2]};
+        rheo__output_turn(vtp->out, turned);
+        for (int axis = 0; axis < 3; axis++)
+            put_real(vtp->out, (rheo_real)turned[axis]);
+    }
     rheo__vtp_begin_array(vtp, (uint64_t)count * 16);
     for (size_t i = 0; i < count; i++) {
         rheo__output_little(vtp->out, springs[i].spring.a, 8);

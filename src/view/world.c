@@ -1,4 +1,4 @@
-/* Reads columns of particles, the surface, the extent and the colours from a world. */
+/* Reads columns of particles, the surface and the extent from a world. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -292,18 +292,4 @@ rheo_extent rheo_extent_of_both(const rheo_extent *a, const rheo_extent *b)
     e.coldest = b->coldest < e.coldest ? b->coldest : e.coldest;
     e.hottest = b->hottest > e.hottest ? b->hottest : e.hottest;
     return e;
-}
-
-/* Colours go from blue over a pale middle to red, so that both sides of a front differ. */
-void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3])
-{
-    enum { STOPS = 5 };
-    static const double stop[STOPS][3] = {
-        {.12, .25, .66}, {.35, .65, .85}, {.93, .88, .75}, {.95, .55, .25}, {.75, .10, .10}};
-    const double range = extent->hottest - extent->coldest;
-    double stop_index = range > 0 ? (temperature - extent->coldest) / range * (STOPS - 1) : 0;
-    stop_index = stop_index > 0 ? stop_index < STOPS - 1 ? stop_index : STOPS - 1 : 0;
-    const int below = stop_index < STOPS - 1 ? (int)stop_index : STOPS - 2;
-    for (int i = 0; i < 3; i++)
-        colour[i] = stop[below][i] + (stop_index - below) * (stop[below + 1][i] - stop[below][i]);
 }

@@ -292,7 +292,9 @@ rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *er
     rheo__step_hashes_forget(&w->trace.known);
     const uint64_t stage_run = w->stage_runs_done;
     *stage = rheo__world_stage_of(w, stage_run);
+    const double start = now();
     rheo_result result = run_stage(w, stage_run, error);
+    w->stage_seconds[*stage] += now() - start;
     if (result == RHEO_ERROR_STATE)
         return fail(w, error);
     if (result != RHEO_OK) {
