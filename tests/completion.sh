@@ -6,7 +6,7 @@ source=$(realpath "$1") rheolog=$(realpath "$2")
 command -v bash >/dev/null || { echo "there is no bash"; exit 77; }
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-sh "$source/src/cli/completion.sh" rheolog >"$scratch/rheolog"
+sh "$source/src/cli/completion.sh" rheolog bash >"$scratch/rheolog"
 cd "$scratch"
 mkdir folder
 touch a.rlog b.rlog mine.json other.txt

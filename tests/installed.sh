@@ -53,7 +53,8 @@ for type in float double; do
     ending=
     [ $type = float ] || ending=-double
     [ "$(package --variable=real rheolog$ending)" = $type ] || fail "rheolog$ending.pc does not say real=$type"
-    for file in "man1/rheolog$ending.1" "bash-completion/completions/rheolog$ending"; do
+    for file in "man1/rheolog$ending.1" "bash-completion/completions/rheolog$ending" "zsh/site-functions/_rheolog$ending" \
+        "fish/vendor_completions.d/rheolog$ending.fish"; do
         [ -n "$(find "$root" -path "*/$file" -size +1k)" ] || fail "$file is not installed"
     done
     make $type rheolog$ending -std=c17 -Wall -Wextra -Werror
@@ -160,12 +161,17 @@ if command -v cmake >/dev/null; then
     elif cmake_finds 'find_package(rheolog REQUIRED COMPONENTS scene-json)' || ! grep -q 'has no component scene-json' "$tmp/said"; then
         fail "CMake finds scene files in a build without them"
     fi
-    for wanted in 0.0 0.2 1 "0.1.0 EXACT"; do
+    version=$(sed -n "s/^  version: '\(.*\)',$/\1/p" "$source/meson.build")
+    major=${version%%.*} minor=${version#*.}
+    minor=${minor%%.*}
+    older=
+    [ "$minor" = 0 ] || older=$major.$((minor - 1))
+    for wanted in $older "$major.$((minor + 1))" $((major + 1)) "$version EXACT" "$major.$minor"; do
         met=0
         cmake_finds "find_package(rheolog $wanted REQUIRED)" || met=$?
         case $wanted in
-        *EXACT) [ $met = 0 ] || fail "CMake does not find version $wanted" ;;
-        *) [ $met != 0 ] && grep -q 'version: 0\.1\.0' "$tmp/said" || fail "CMake takes version 0.1.0 for version $wanted" ;;
+        *EXACT | "$major.$minor") [ $met = 0 ] || fail "CMake does not find version $wanted" ;;
+        *) [ $met != 0 ] && grep -qF "version: $version" "$tmp/said" || fail "CMake takes version $version for version $wanted" ;;
         esac
     done
     rm "$tmp/said"

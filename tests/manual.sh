@@ -9,9 +9,11 @@ fail() {
     echo "$1"
     exit 1
 }
-sh "$cli/manual.sh" rheolog 1.2.3 >"$scratch/rheolog.1"
-grep -q '^\.TH RHEOLOG 1 "" "rheolog 1\.2\.3"' "$scratch/rheolog.1" || fail "the page has no title or version"
-sh "$cli/manual.sh" rheolog-double 1.2.3 | grep -q '^rheolog\\-double \\- ' || fail "the page for double has another name"
+version=$(sed -n "s/^  version: '\(.*\)',$/\1/p" "$cli/../../meson.build")
+date=$(sed -n 's/^date-released: //p' "$cli/../../CITATION.cff")
+sh "$cli/manual.sh" rheolog "$version" >"$scratch/rheolog.1"
+grep -qxF ".TH RHEOLOG 1 \"$date\" \"rheolog $version\" \"User Commands\"" "$scratch/rheolog.1" || fail "the page has no title, version or date"
+sh "$cli/manual.sh" rheolog-double "$version" | grep -q '^rheolog\\-double \\- ' || fail "the page for double has another name"
 
 words() { # words TEXT: one on each line; the headings of sections are in capitals
     tr -s ' ' '\n' <"$1" | tr '[:upper:]' '[:lower:]' | sed 's/:$//; /^$/d'
@@ -43,11 +45,14 @@ if command -v groff >/dev/null && groff -man -Tascii "$scratch/rheolog.1" >"$scr
     tools=" groff"
 fi
 if command -v mandoc >/dev/null; then
-    # There is no date.
-    mandoc -T lint -W warning "$scratch/rheolog.1" | grep -v 'missing date' >"$scratch/said" || true
+    mandoc -T lint "$scratch/rheolog.1" >"$scratch/said" || true
     [ ! -s "$scratch/said" ] || fail "mandoc warns: $(cat "$scratch/said")"
     tools="$tools mandoc"
 fi
+
+# Regression: lines of a paragraph that end with a colon became headings.
+heading=$(awk '/^\.SS/ && before !~ /^\.(in|fi|nf|PP|SH)/ && before !~ /[.:;)]$/ { print before; print } { before = $0 }' "$scratch/rheolog.1")
+[ -z "$heading" ] || fail "a heading in the middle of a sentence: $heading"
 
 # Proves that the check notices a missing line.
 grep -v 'until\\-unhealthy' "$scratch/rheolog.1" >"$scratch/less.1"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# package.sh SOURCE: checks what surrounds the sources for those who pass them on: the version is the same everywhere, the texts of
+# package.sh SOURCE: checks what surrounds the sources for those who pass them on: version and date are the same everywhere, the texts of
 # the licence are, CITATION.cff has the fields that its format (1.2.0) demands, and every file has a licence (`reuse lint`, if there is
 # one). At the end the script proves that it notices faults.
 set -eu
@@ -7,6 +7,13 @@ source=$(realpath "$1")
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
 
+# dates ROOT: prints the date of the newest version, with each file that has it
+dates() {
+    version=$(sed -n "s/^  version: '\([0-9.]*\)',$/\1/p" "$1/meson.build")
+    sed -n "s/^## $version - //p" "$1/CHANGELOG.md" | sed 's/$/ CHANGELOG.md/'
+    sed -n 's/^date-released: //p' "$1/CITATION.cff" | sed 's/$/ CITATION.cff/'
+    LC_ALL=C date -u -d "$(sed -n 's/^ -- .*>  //p' "$1/debian/changelog" | head -n 1)" '+%F debian/changelog' || true
+}
 # versions ROOT: prints each version, with its file
 versions() {
     sed -n "s/^  version: '\([0-9.]*\)',$/\1 meson.build/p" "$1/meson.build"
@@ -18,6 +25,7 @@ versions() {
 # faults ROOT: prints what is wrong
 faults() {
     [ "$(versions "$1" | sed 's/ .*//' | uniq -c | sed 's/^ *\([0-9]*\) .*/\1/')" = 5 ] || { echo "versions differ:"; versions "$1"; }
+    [ "$(dates "$1" | sed 's/ .*//' | uniq -c | sed 's/^ *\([0-9]*\) .*/\1/')" = 3 ] || { echo "dates differ:"; dates "$1"; }
     cmp -s "$1/LICENSE" "$1/LICENSES/MIT.txt" || echo "LICENSE and LICENSES/MIT.txt differ"
     # The package's text of a licence is that of LICENSES, indented.
     for license in MIT LicenseRef-Stanford-Bunny; do
@@ -40,7 +48,7 @@ found=$(faults "$source")
 [ -z "$found" ] || { echo "$found"; exit 1; }
 
 mkdir -p "$tmp/copy/include/rheolog" "$tmp/copy/debian"
-cp -R "$source/meson.build" "$source/LICENSE" "$source/LICENSES" "$source/CITATION.cff" "$tmp/copy"
+cp -R "$source/meson.build" "$source/LICENSE" "$source/LICENSES" "$source/CHANGELOG.md" "$source/CITATION.cff" "$tmp/copy"
 cp "$source/include/rheolog/base.h" "$tmp/copy/include/rheolog"
 cp "$source/debian/changelog" "$source/debian/copyright" "$tmp/copy/debian"
 [ -z "$(faults "$tmp/copy")" ] || { echo "a copy has faults"; exit 1; }
@@ -51,6 +59,7 @@ while read -r file change said; do
     cp "$tmp/kept" "$tmp/copy/$file"
 done <<'LIST'
 CITATION.cff s/^version:.*/version:9.9.9/ versions differ
+CITATION.cff /^date-released:/d dates differ
 CITATION.cff /^authors:/d lacks authors
 debian/changelog 1s/([0-9.]*/(9.9.9/ versions differ
 include/rheolog/base.h s/MINOR.*/MINOR/ versions differ

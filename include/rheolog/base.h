@@ -1,4 +1,6 @@
-/* Results, errors, callbacks and the number type. All other public headers include this one. */
+/*
+ * Results, errors, callbacks and the number type. All other public headers include this one.
+ */
 #ifndef RHEOLOG_BASE_H
 #define RHEOLOG_BASE_H
 
@@ -12,11 +14,16 @@
  */
 #include "rheolog/config.h"
 
+/** Version of the headers; rheo_version() is that of the library. Its first number. */
 #define RHEO_VERSION_MAJOR 0
+/** Second number of the version. */
 #define RHEO_VERSION_MINOR 1
+/** Third number of the version. */
 #define RHEO_VERSION_PATCH 0
+/** The version as text. */
 #define RHEO_VERSION "0.1.0"
 
+/** Marks the functions that the library exports. */
 #if defined(__GNUC__)
 #define RHEO_API __attribute__((visibility("default")))
 #else
@@ -159,6 +166,7 @@ typedef struct rheo_work {
     uint64_t states;
 } rheo_work;
 
+/** Work of the calling thread since it began. */
 RHEO_API rheo_work rheo_work_done(void);
 
 /**

@@ -23,26 +23,37 @@ typedef enum rheo_find_which {
 
 /** Where a condition holds. */
 typedef struct rheo_found {
+    /** The step. */
     uint64_t step;
     /** The stage run after which it holds, as of rheo_player_seek_stage(); "" at the end of the step. */
     char stage[48];
     /** What the first comparison that holds is about: "particle 17", "spring 17:21", "ball"; "" for a metric. */
     char item[48];
-    /** Particle, or smaller id of a spring; 0 for others. Larger id of a spring, else 0. */
-    uint64_t id, other_id;
-    /** Metric or quantity of this comparison, and its value. For `exists` they are "exists" and 1. */
+    /** Particle, or smaller id of a spring; 0 for others. */
+    uint64_t id;
+    /** Larger id of a spring, else 0. */
+    uint64_t other_id;
+    /** Metric or quantity of this comparison; "exists" for `exists`. */
     char quantity[64];
+    /** Its value; 1 for `exists`. */
     double value;
 } rheo_found;
 
 /** Called for each place that a search finds. Returns whether the search goes on. */
 typedef bool rheo_find_receiver(void *data, const rheo_found *found);
 
+/** Options of a search. Start from rheo_default_find_options(). */
 typedef struct rheo_find_options {
+    /** Which steps are wanted. Default RHEO_FIND_FIRST. */
     rheo_find_which which;
-    /** Only steps after `after`, and only steps before `before`, if there is such a bound. */
-    bool has_after, has_before;
-    uint64_t after, before;
+    /** Only steps after `after`. Default false. */
+    bool has_after;
+    /** Only steps before `before`. Default false. */
+    bool has_before;
+    /** The step of `has_after`. */
+    uint64_t after;
+    /** The step of `has_before`. */
+    uint64_t before;
     /**
      * Looks after each run of this stage instead of at the ends of steps: a name, which means all substeps, or a name
      * with @ and the number of a substep. NULL: at the ends of steps. Metrics belong to ends of steps.
@@ -50,6 +61,7 @@ typedef struct rheo_find_options {
     const char *stage;
     /** Called for each place; NULL: none. */
     rheo_find_receiver *receiver;
+    /** Passed to `receiver`. */
     void *data;
 } rheo_find_options;
 
@@ -59,9 +71,12 @@ typedef struct rheo_search {
     uint64_t hits;
     /** The last of them. */
     rheo_found found;
-    /** Steps that have been looked at, if `looked`: from `first` to `last`. */
+    /** Steps have been looked at, from `first` to `last`. */
     bool looked;
-    uint64_t first, last;
+    /** First step that has been looked at. Only if `looked`. */
+    uint64_t first;
+    /** Last step that has been looked at. Only if `looked`. */
+    uint64_t last;
 } rheo_search;
 
 /**

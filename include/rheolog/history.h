@@ -48,9 +48,9 @@ typedef enum rheo_weights {
  * At large lags this difference would lose all digits, so a series of positive terms is summed instead. The relative
  * error is below 7e-16 at any lag. For large m, c_m tends to (2-q)(1-q) m^(-q).
  *
- * q        order of the derivative, 0 < q < 1; all weights are NaN for any other q
- * count    number of weights
- * weights  output: `count` doubles without unit; may be NULL if count is 0
+ * @param q        order of the derivative, 0 < q < 1; all weights are NaN for any other q
+ * @param count    number of weights
+ * @param weights  output: `count` doubles without unit; may be NULL if count is 0
  */
 RHEO_API void rheo_history_weights(double q, size_t count, double *weights);
 
@@ -78,17 +78,16 @@ RHEO_API double rheo_history_scale(double q, double step, rheo_weights kind);
 /**
  * Computes D^q x at the steps 0 to count - 1 from one component of the velocities.
  *
- * velocity  v_0 .. v_{count-1}, one each `step`, as `kind` expects them; unit L/T
- * count     number of samples; 0 is allowed
- * q         order of the derivative, 0 < q < 1
- * step      time between samples, positive and finite; unit T
- * window    d > 0: only the d + 1 samples of lags 0 to d count, which models another material; it does not
- * approximate
- *           the whole history. 0: the whole history counts.
- * kind      RHEO_WEIGHTS_PAPER: the first sample has the weight a_{0,n} while n < window, or always if window is 0;
- *           from step n = window on, the oldest sample of the window has the interior weight c_window.
- *           RHEO_WEIGHTS_L1: lags 0 to min(n - 1, window); v_0 does not count, and result[0] is 0
- * result    output: `count` doubles, unit L/T^q; must not overlap `velocity`
+ * @param velocity  v_0 .. v_{count-1}, one each `step`, as `kind` expects them; unit L/T
+ * @param count     number of samples; 0 is allowed
+ * @param q         order of the derivative, 0 < q < 1
+ * @param step      time between samples, positive and finite; unit T
+ * @param window    d > 0: only the d + 1 samples of lags 0 to d count, which models another material; it does not
+ *                  approximate the whole history. 0: the whole history counts
+ * @param kind      RHEO_WEIGHTS_PAPER: the first sample has the weight a_{0,n} while n < window, or always if window is
+ *                  0; from step n = window on, the oldest sample of the window has the interior weight c_window.
+ *                  RHEO_WEIGHTS_L1: lags 0 to min(n - 1, window); v_0 does not count, and result[0] is 0
+ * @param result    output: `count` doubles, unit L/T^q; must not overlap `velocity`
  *
  * Sums from the oldest sample to the newest, with compensation (Neumaier). The cost is count min(count, window + 1)
  * products. A velocity that is not finite affects only the results whose window contains it.
@@ -106,7 +105,9 @@ RHEO_API rheo_result rheo_fractional_derivative(const double *velocity, size_t c
 
 /**
  * A point of a curve that gives the weight w of a past velocity by its age. The curve is linear between its points and
- * 0 outside of them. The derivative is then
+ * 0 outside of them.
+ *
+ * The derivative is then
  *
  *     D x = integral of w(age) v(age) d(age).
  *
@@ -130,8 +131,12 @@ RHEO_API uint32_t rheo_history_curve_window(const rheo_curve_point *curve, size_
  * velocity is linear between samples, and its product with the curve is integrated exactly. So a curve is the same
  * material for any step.
  *
- * weights  output: `count` doubles, unit T times that of the curve. The factor of the sum is 1
- * first    output: the weights of the very first sample at steps 0 to count - 1; may be NULL
+ * @param curve    the curve
+ * @param points   number of its points, 2 to RHEO_MAX_CURVE_POINTS
+ * @param step     time between samples, positive and finite; unit T
+ * @param count    number of weights
+ * @param weights  output: `count` doubles, unit T times that of the curve. The factor of the sum is 1
+ * @param first    output: the weights of the very first sample at steps 0 to count - 1; may be NULL
  *
  * RHEO_ERROR_ARGUMENT for a bad curve or step; the arrays are then unchanged.
  */
@@ -194,10 +199,10 @@ typedef struct rheo_history_modes {
  * minimise the squares of the relative errors. Beyond `lags` the series decays exponentially but the weights decay
  * like a power: for q = 0.5 the series is 1.3 % too small at 2 lags, 12 % at 4 lags and 45 % at 8 lags.
  *
- * q      order of the derivative, 0 < q < 1
- * lags   largest lag to fit, 1 to 2^30
- * kind   rule whose weights are fitted
- * modes  output
+ * @param q      order of the derivative, 0 < q < 1
+ * @param lags   largest lag to fit, 1 to 2^30
+ * @param kind   rule whose weights are fitted
+ * @param modes  output
  *
  * RHEO_ERROR_ARGUMENT if q, lags or kind is out of range; *modes is then unchanged.
  */
@@ -220,11 +225,13 @@ RHEO_API void rheo_history_temper(rheo_history_modes *modes, double tau);
  * Fits the modes that a world of this kind has: for window-fast the lags 1 to window, for full 1 to 16384, for tempered
  * 1 to 12 tau + 1, where a weight has fallen by e^-12; those of tempered are multiplied by exp(-lag/tau).
  *
- * kind     any kind but RHEO_HISTORY_WINDOW, which has no modes
- * window   history window d in steps, 1 to 2^24; kind full ignores it
- * weights  rule whose weights are fitted
+ * @param kind     any kind but RHEO_HISTORY_WINDOW, which has no modes
+ * @param q        order of the derivative, 0 < q < 1
+ * @param window   history window d in steps, 1 to 2^24; kind full ignores it
+ * @param weights  rule whose weights are fitted
+ * @param modes    output
  *
- * q, modes and errors are as in rheo_history_fit().
+ * Errors are as in rheo_history_fit().
  */
 RHEO_API rheo_result rheo_history_fit_kind(rheo_history_kind kind, double q, uint32_t window, rheo_weights weights,
                                            rheo_history_modes *modes);

@@ -31,10 +31,12 @@ typedef struct rheo_plot_axis {
     /** Scale. */
     rheo_plot_scale scale;
     /**
-     * Range. Parts of curves outside it are not drawn. If `min` is not less than `max`, the range is that of the data up to round
-     * numbers. On a logarithmic axis, `min` must be positive.
+     * Least value. Parts of curves out of range are not drawn. If it is not less than `max`, the range is that of the data up to
+     * round numbers. On a logarithmic axis it must be positive.
      */
-    double min, max;
+    double min;
+    /** Largest value. */
+    double max;
 } rheo_plot_axis;
 
 /** How a curve is drawn. */
@@ -51,8 +53,10 @@ typedef struct rheo_plot_curve {
     const char *name;
     /** Number of points. */
     size_t count;
-    /** Coordinates. A point whose coordinates are not finite, or beyond +-1e100, leaves a gap. */
-    const double *x, *y;
+    /** Coordinates along the x axis. A point whose coordinates are not finite, or beyond +-1e100, leaves a gap. */
+    const double *x;
+    /** Coordinates along the y axis. */
+    const double *y;
     /** Line or points. */
     rheo_plot_mark mark;
     /** Number of a colour with its dashes and its shape of points. There are RHEO_PLOT_LOOKS; others repeat them. */
@@ -66,8 +70,10 @@ enum { RHEO_PLOT_LOOKS = 8 };
 typedef struct rheo_plot_panel {
     /** Title above the panel; NULL: none. */
     const char *title;
-    /** Axes. */
-    rheo_plot_axis x, y;
+    /** Axis to the right. */
+    rheo_plot_axis x;
+    /** Axis upwards. */
+    rheo_plot_axis y;
     /** Number of curves. */
     size_t curve_count;
     /** Curves. */

@@ -19,12 +19,13 @@ extern "C" {
 
 /* ---- Which files are replaced ---- */
 
+/** What a file will be written for. */
 typedef enum rheo_output_use {
     /** A new recording: RHEO_ERROR_ARGUMENT if there is a file. */
     RHEO_OUTPUT_NEW = 0,
     /** With `force`: a new recording in the place of another one. */
     RHEO_OUTPUT_REPLACE,
-    /** rheo_recorder_continue(). */
+    /** A recording that goes on: rheo_recorder_continue(). */
     RHEO_OUTPUT_CONTINUE
 } rheo_output_use;
 
@@ -55,11 +56,13 @@ RHEO_API rheo_result rheo_world_save_memory(const rheo_world *world, const char 
 
 /* ---- Recording a run ---- */
 
+/** A recorder steps a world and writes the recording of its run. */
 typedef struct rheo_recorder rheo_recorder;
 
 /** Longest text of `made_by` and `scene_text`, bytes. */
 enum { RHEO_MAX_MADE_TEXT = 8000000 };
 
+/** Options of a recording. Members that are 0 have their defaults. */
 typedef struct rheo_record_options {
     /** Name to store in the file, at most 65535 bytes. NULL: "". */
     const char *scene;
@@ -199,8 +202,10 @@ RHEO_API rheo_result rheo_recorder_copy_memory(rheo_recorder *recorder, void **b
 
 /* ---- Reading ---- */
 
+/** A recording that is open for reading. */
 typedef struct rheo_recording rheo_recording;
 
+/** What a recording has, and how it was made. */
 typedef struct rheo_recording_info {
     /** Name of the scene; may be "". Valid until the recording is closed, as is `build`. */
     const char *scene;
@@ -259,6 +264,7 @@ RHEO_API rheo_result rheo_recording_open_memory(const void *bytes, size_t size, 
 /** Closes a recording. NULL is allowed. */
 RHEO_API void rheo_recording_close(rheo_recording *recording);
 
+/** Describes a recording. */
 RHEO_API rheo_recording_info rheo_recording_get_info(const rheo_recording *recording);
 
 /** The definition in force at the first keyframe, without particles. Valid until the recording is closed. */
@@ -304,20 +310,26 @@ RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t st
 typedef struct rheo_command {
     /** The command was given before this step. */
     uint64_t step;
+    /** Kind of the command. */
     rheo_command_kind kind;
-    /** SET: parameter and value, as they were given. */
-    char path[48], value[96];
+    /** SET: parameter, as it was given. */
+    char path[48];
+    /** SET: value, as it was given. */
+    char value[96];
     /** PUSH_BODY, MOVE_VIBRATOR: index of the body or vibrator. ADD_PARTICLES: material, 0 for the main one. */
     uint32_t index;
     /** ADD_PARTICLES: number of particles. */
     uint32_t count;
     /** PUSH_BODY: impulse, M L/T. MOVE_VIBRATOR: new x and z, L. */
     double vector[3];
-    /** PUSH_BODY: `point` is where the impulse acts, L; else it acts at the centre. */
+    /** PUSH_BODY: the impulse acts at `point`; else it acts at the centre. */
     bool has_point;
+    /** PUSH_BODY: where the impulse acts, L. */
     double point[3];
-    /** ADD_PARTICLES: the box around their positions, L. */
-    double min[3], max[3];
+    /** ADD_PARTICLES: lower corner of the box around their positions, L. */
+    double min[3];
+    /** ADD_PARTICLES: upper corner of this box, L. */
+    double max[3];
     /** What was done, in words: "gravity was set to [0, -300, 0]". */
     char text[320];
 } rheo_command;
@@ -377,7 +389,9 @@ typedef struct rheo_finding {
      * a number of the parameters has no particle, another one in which it shows. "": there is no particle.
      */
     const char *seen;
+    /** Step of `seen`. */
     uint64_t seen_step;
+    /** Value of `seen` in that step. */
     double seen_value;
 } rheo_finding;
 
@@ -393,7 +407,7 @@ RHEO_API void rheo_finding_text(const rheo_finding *finding, char *text, size_t 
  * and with the commands of step from + 1 that set other parameters; or, if `set` is "", without the commands.
  */
 typedef struct rheo_advice {
-    /** Assignment for rheo_world_set() or --set: "step=0.0135". "" if no parameter helps. */
+    /** Assignment for rheo_world_set() or `--set`: "step=0.0135". "" if no parameter helps. */
     char set[64];
     /** Explanation. */
     char text[192];
@@ -407,8 +421,17 @@ typedef struct rheo_advice {
     bool can_continue;
 } rheo_advice;
 
-enum { RHEO_MAX_FINDINGS = 24, RHEO_MAX_ADVICE = 5, RHEO_MAX_SUSPECTS = 4 };
+/** Most entries of a rheo_diagnosis. */
+enum {
+    /** Most findings. */
+    RHEO_MAX_FINDINGS = 24,
+    /** Most pieces of advice. */
+    RHEO_MAX_ADVICE = 5,
+    /** Most suspects. */
+    RHEO_MAX_SUSPECTS = 4
+};
 
+/** What rheo_diagnose() found: whether a run is healthy, and if not where, when and why it went bad. */
 typedef struct rheo_diagnosis {
     /** No severe measure left its range, and no step failed. */
     bool healthy;
@@ -420,8 +443,10 @@ typedef struct rheo_diagnosis {
     bool complete;
     /** Not complete because a recorder is writing it. */
     bool being_written;
-    /** Steps that were examined. */
-    uint64_t first_step, last_step;
+    /** First step that was examined. */
+    uint64_t first_step;
+    /** Last step that was examined. */
+    uint64_t last_step;
     /**
      * Unhealthy only: the first measure in an uninterrupted series out of range that leads up to unhealthy_step, or
      * the parameter that made it inevitable. `measure` is "" if a step failed with all measures in range.
@@ -484,8 +509,10 @@ RHEO_API bool rheo_health_start(const rheo_health *health, rheo_finding *finding
 
 /** A measure that the doctor examines, in the step that was examined last. All texts are constant. */
 typedef struct rheo_measure {
-    /** Name, for example "stiffness_number", and its meaning in one line. */
-    const char *name, *meaning;
+    /** Name, for example "stiffness_number". */
+    const char *name;
+    /** Its meaning in one line. */
+    const char *meaning;
     /** "severe", "precursor", "condition" or "notice"; docs/debugging.md says what they mean. */
     const char *kind;
     /** Largest value in range. */
@@ -536,14 +563,17 @@ typedef struct rheo_blessing {
     /** The build that blessed it, as rheo_build() describes it. */
     const char *build;
     /**
-     * How the build that blessed it stood to the recording before, and the weakest rung that it tried (same.h).
-     * RHEO_SAMENESS_UNKNOWN: that was not found out, since there was no such recording or it was of another run.
+     * How the build that blessed it stood to the recording before (same.h). RHEO_SAMENESS_UNKNOWN: that was not found out,
+     * since there was no such recording or it was of another run.
      */
-    rheo_sameness verdict, at_least;
+    rheo_sameness verdict;
+    /** The weakest rung that it tried; RHEO_SAMENESS_UNKNOWN as for `verdict`. */
+    rheo_sameness at_least;
     /** The verdict in words; "" if it is not known. */
     const char *same;
 } rheo_blessing;
 
+/** Number of blessings of a recording; 0: it is not blessed. */
 RHEO_API uint32_t rheo_recording_blessing_count(const rheo_recording *recording);
 
 /** Blessing `index`, oldest first. RHEO_ERROR_ARGUMENT past the end. */
@@ -596,6 +626,7 @@ RHEO_API rheo_result rheo_player_seek_stage(rheo_player *player, uint64_t step, 
 
 /* ---- Verifying and comparing ---- */
 
+/** Result of a comparison. */
 typedef enum rheo_verdict {
     /** Nothing was compared, since the function failed or was not called. Never a success. */
     RHEO_NOT_COMPARED = 0,
@@ -621,6 +652,7 @@ typedef enum rheo_value_origin {
 
 /** The first difference between a recording and its replay, or between two recordings. */
 typedef struct rheo_difference {
+    /** The step. */
     uint64_t step;
     /** Stage after which the hashes differ; "" if the states at the start differ. */
     char stage[32];
@@ -642,10 +674,14 @@ typedef struct rheo_difference {
     double expected;
     /** Value in the replay, or in the second recording. */
     double actual;
-    /** The same two values as bits. */
-    uint64_t expected_bits, actual_bits;
-    /** Only this side has the item; the value of the other is 0. */
-    bool only_expected, only_actual;
+    /** `expected` as bits. */
+    uint64_t expected_bits;
+    /** `actual` as bits. */
+    uint64_t actual_bits;
+    /** Only the recording, or the first recording, has the item; `actual` is 0. */
+    bool only_expected;
+    /** Only the replay, or the second recording, has the item; `expected` is 0. */
+    bool only_actual;
     /**
      * Distance in units of the last place; UINT64_MAX where there is none (NaN, an item on one side only). It means
      * little near 0 and across it.
@@ -663,7 +699,9 @@ typedef struct rheo_difference {
 
 /** How much of a field differs at the end of a step. */
 typedef struct rheo_growth {
+    /** The step. */
     uint64_t step;
+    /** Name of the field. */
     char field[32];
     /** Number of items that differ. */
     uint64_t count;
@@ -677,18 +715,28 @@ typedef struct rheo_growth {
 
 /** A parameter with which two recordings begin differently. */
 typedef struct rheo_parameter_difference {
+    /** The parameter. */
     const rheo_parameter *parameter;
-    /** Value in the first and in the second recording, as rheo_world_def_get() writes it. */
-    char a[96], b[96];
+    /** Value in the first recording, as rheo_world_def_get() writes it. */
+    char a[96];
+    /** Value in the second recording. */
+    char b[96];
 } rheo_parameter_difference;
 
-enum { RHEO_MAX_GROWTH = 96, RHEO_MAX_PARAMETER_DIFFERENCES = 64 };
+/** Most entries of a rheo_verification. */
+enum {
+    /** Most entries of `growth`. */
+    RHEO_MAX_GROWTH = 96,
+    /** Most entries of `parameters`. */
+    RHEO_MAX_PARAMETER_DIFFERENCES = 64
+};
 
 /**
  * Result of rheo_verify() and rheo_diff(). If they return an error: RHEO_NOT_COMPARED, with the error in `message`.
  * After RHEO_ERROR_STOPPED, `steps` were the same until then.
  */
 typedef struct rheo_verification {
+    /** The result. */
     rheo_verdict verdict;
     /** Number of steps that were compared and agree. */
     uint64_t steps;
@@ -696,15 +744,17 @@ typedef struct rheo_verification {
     bool has_hash;
     /** Hash of this build's state after the last step that was compared, equal or not. */
     uint64_t hash;
-    /** RHEO_DIFFERS only. */
+    /** The first difference. RHEO_DIFFERS only. */
     rheo_difference first;
     /**
      * rheo_diff() only: RHEO_DIFFERS only because one recording has steps that the other lacks. Those that both have
      * agree. `first.step` is the first that only one has.
      */
     bool lengths_differ;
-    /** rheo_diff() only: first and last step of the first and of the second recording. */
-    uint64_t first_step[2], last_step[2];
+    /** rheo_diff() only: first steps of the first and of the second recording. */
+    uint64_t first_step[2];
+    /** rheo_diff() only: their last steps. */
+    uint64_t last_step[2];
     /** Number of entries of `growth`. */
     uint32_t growth_count;
     /** Growth of the difference: in its step and 1, 2, 4, 8 ... steps later, where both states are known. */

@@ -12,12 +12,17 @@
 extern "C" {
 #endif
 
+/** Limits of rung statistics. */
 enum {
+    /** Fewest members of a side. */
     RHEO_LEAST_SAME_MEMBERS = 8,
+    /** Most members of a side. */
     RHEO_MOST_SAME_MEMBERS = 64,
+    /** Most values in a result. */
     RHEO_MOST_SAME_METRICS = 48,
 };
 
+/** Options of a comparison. Start from rheo_default_same_options(). */
 typedef struct rheo_same_options {
     /**
      * The weakest verdict that passes; weaker rungs are not tried. DIFFERS tries all and passes any verdict. Default
@@ -35,38 +40,50 @@ typedef struct rheo_same_options {
      * that set them are not given. So a change of a parameter is judged like a change of the program. Default none.
      */
     const char *const *set;
+    /** Number of these parameters. Default 0. */
     uint32_t set_count;
     /** Rung statistics: also measures the false alarm rate (rheo_same_statistics). Default false. */
     bool self_check;
 } rheo_same_options;
 
+/** Options with their defaults. */
 RHEO_API rheo_same_options rheo_default_same_options(void);
 
 /** How far a field of the state is from the recorded one after one step. All texts are constant. */
 typedef struct rheo_same_ratio {
     /** The field; "" if nothing was compared. */
     char field[32];
-    /** The step, and the first stage of it whose hashes are not the recorded ones; "" if all are. */
+    /** The step. */
     uint64_t step;
+    /** The first stage of it whose hashes are not the recorded ones; "" if all are. */
     char stage[32];
-    /** Root mean square and largest difference, in the field's unit. */
-    double rms, largest;
-    /** The same of the yardstick: +-1 ulp, or halving the step. */
-    double rms_yardstick, largest_yardstick;
+    /** Root mean square of the differences, in the field's unit. */
+    double rms;
+    /** Largest difference, in the field's unit. */
+    double largest;
+    /** Root mean square of the yardstick's differences: of +-1 ulp, or of halving the step. */
+    double rms_yardstick;
+    /** Largest difference of the yardstick. */
+    double largest_yardstick;
     /** The larger of the two quotients; 0 if nothing differs. */
     double ratio;
 } rheo_same_ratio;
 
 /** Rungs bits and rounding, or step. */
 typedef struct rheo_same_steps {
-    bool tried, passed;
+    /** The rung was tried. */
+    bool tried;
+    /** It holds. */
+    bool passed;
     /**
      * Steps from one compared state to the next: 1 in a full recording; in others the rung rounding goes from keyframe to
      * keyframe, and compares where 1 ulp has not grown too much on the way.
      */
     uint64_t interval;
-    /** Such intervals in the recording, and those that were compared. */
-    uint64_t available, compared;
+    /** Such intervals in the recording. */
+    uint64_t available;
+    /** Intervals that were compared. */
+    uint64_t compared;
     /** Steps in which a decision fell otherwise (a spring, the number of substeps), so that values are not comparable. */
     uint64_t decisions;
     /** The largest ratio of all. */
@@ -77,46 +94,71 @@ typedef struct rheo_same_steps {
 
 /** A value over the members of both sides: the mean of a metric over some steps, or the time of an event. */
 typedef struct rheo_same_metric {
-    /** "energy, mean of steps 61 to 80", "centre_y passes -3.2", "ball_y is least"; and its unit, steps for times. */
+    /** Name: "energy, mean of steps 61 to 80", "centre_y passes -3.2", "ball_y is least". */
     char name[96];
+    /** Its unit; that of times is steps. */
     char unit[24];
-    /** Means and standard deviations of the recorded side and of this one, and the p value of the rank test. */
-    double mean[2], deviation[2], p;
+    /** Means of the recorded side and of this one. */
+    double mean[2];
+    /** Standard deviations of both sides. */
+    double deviation[2];
+    /** The p value of the rank test. */
+    double p;
     /** Distance of the means in standard deviations: the larger one of the two sides; infinite if both are 0. */
     double shift;
     /** Rejected by Benjamini and Yekutieli at 1 %. */
     bool rejected;
 } rheo_same_metric;
 
+/** Rung statistics. */
 typedef struct rheo_same_statistics {
-    bool tried, passed;
+    /** The rung was tried. */
+    bool tried;
+    /** It holds. */
+    bool passed;
     /** Members of the recorded side were read from the golden file; else they were simulated. */
     bool stored;
+    /** Members of the recorded side and of this one. */
     uint32_t members[2];
     /** How far the members' coordinates were moved at most, in spacings; 0: by one unit in the last place. */
     double moved;
-    /** Values that were tested, those that were not since their spread still grows, and those that were rejected. */
-    uint32_t metric_count, left_out, rejected;
+    /** Number of values that were tested. */
+    uint32_t metric_count;
+    /** Number of values that were not, since their spread still grows. */
+    uint32_t left_out;
+    /** Number of tested values that were rejected. */
+    uint32_t rejected;
     /** The values with the smallest p, smallest first: metric_count, or RHEO_MOST_SAME_METRICS if there are more. */
     rheo_same_metric metrics[RHEO_MOST_SAME_METRICS];
     /** The spread of all values still grows at the end of the recording: nothing can be said, and `passed` is false. */
     bool too_early;
-    /** A run of this side went bad, and why; nothing was compared, and `passed` is false. */
+    /** A run of this side went bad; nothing was compared, and `passed` is false. */
     bool went_bad;
+    /** Why it went bad. Only if `went_bad`. */
     char why[320];
-    /** Only with self_check: splits of runs of one program that were compared with each other, and those that differed. */
-    uint64_t self_checks, false_alarms;
+    /** Only with self_check: splits of runs of one program that were compared with each other. */
+    uint64_t self_checks;
+    /** Only with self_check: splits that differed. */
+    uint64_t false_alarms;
 } rheo_same_statistics;
 
+/** Result of rheo_same(), with every rung that was tried. */
 typedef struct rheo_same_result {
+    /** The strongest rung that holds; RHEO_SAMENESS_DIFFERS if none does. */
     rheo_sameness verdict;
-    /** Rung bits. */
-    bool bits_tried, bits_passed;
+    /** Rung bits was tried. */
+    bool bits_tried;
+    /** Rung bits holds. */
+    bool bits_passed;
+    /** Steps with the recorded hashes. */
     uint64_t bits_steps;
-    /** Rungs rounding and step. */
-    rheo_same_steps rounding, step;
+    /** Rung rounding. */
+    rheo_same_steps rounding;
+    /** Rung step. */
+    rheo_same_steps step;
+    /** Rung statistics. */
     rheo_same_statistics statistics;
-    /** One line; begins with the name of the verdict. */
+    /** The verdict in words, one line; begins with the name of the verdict. */
     char message[768];
 } rheo_same_result;
 

@@ -1,4 +1,6 @@
-/* Scenes: a world definition, the shapes that are filled with particles, and how the fluid settles. */
+/*
+ * Scenes: a world definition, the shapes that are filled with particles, and how the fluid settles.
+ */
 #ifndef RHEOLOG_SCENE_H
 #define RHEOLOG_SCENE_H
 
@@ -94,9 +96,13 @@ typedef enum rheo_shape_member_type {
 
 /** A quantity of particles that only some models have. */
 typedef enum rheo_shape_needs {
+    /** All models have the member. */
     RHEO_SHAPE_NEEDS_NOTHING,
+    /** A density that is part of the state. */
     RHEO_SHAPE_NEEDS_DENSITY,
+    /** A temperature. */
     RHEO_SHAPE_NEEDS_TEMPERATURE,
+    /** A material. */
     RHEO_SHAPE_NEEDS_MATERIALS
 } rheo_shape_needs;
 
@@ -108,13 +114,18 @@ typedef struct rheo_shape_member {
     const char *unit;
     /** Meaning, one line. */
     const char *meaning;
+    /** C type, and form in scene files. */
     rheo_shape_member_type type;
-    /** Offset in rheo_fill, and size there. Unit: bytes. */
-    size_t offset, size;
+    /** Offset in rheo_fill. Unit: bytes. */
+    size_t offset;
+    /** Size in rheo_fill. Unit: bytes. */
+    size_t size;
     /** Offset in rheo_fill of the bool that says whether the file sets the member; 0: none. Unit: bytes. */
     size_t given;
-    /** Range of each number of the member; -1e30 and 1e30 mean that there is no bound. */
-    double minimum, maximum;
+    /** Least value of each number of the member; -1e30: no bound. */
+    double minimum;
+    /** Largest value of each number of the member; 1e30: no bound. */
+    double maximum;
     /** The minimum itself is not allowed. */
     bool above_minimum;
     /** A scene file must give the member. */
@@ -131,6 +142,7 @@ typedef struct rheo_shape {
     const char *meaning;
     /** Members in the order in which scene files are written. */
     const rheo_shape_member *member;
+    /** Number of members. */
     size_t member_count;
 } rheo_shape;
 
@@ -154,8 +166,9 @@ RHEO_API rheo_result rheo_fill_check(const rheo_fill *fill, rheo_model model, rh
  * ignored.
  */
 typedef struct rheo_scene {
-    /** Name, and one line about the scene; UTF-8. */
+    /** Name; UTF-8. */
     char name[64];
+    /** One line about the scene; UTF-8. */
     char about[160];
     /** Definition of the world. */
     rheo_world_def world;
@@ -178,10 +191,11 @@ typedef struct rheo_scene {
     double resolution;
     /** Number of steps that a run of the scene makes by default, below 2^53. Range >= 1, default 600. */
     uint64_t steps;
+    /** Place of the ball. Thickening only. */
     struct {
         /**
-         * Thickening only: height of the ball's lowest point above the settled surface at step 0. Unit L. Any finite
-         * value, default -1. Below 0: world.ball.position is used.
+         * Height of the ball's lowest point above the settled surface at step 0. Unit L. Any finite value, default -1.
+         * Below 0: world.ball.position is used.
          */
         double clearance;
     } ball;
@@ -198,9 +212,13 @@ typedef struct rheo_scene {
      * Arrays made by the library (rheo_scene_add_fill(), rheo_scene_builtin(), ...); rheo_scene_release() frees them.
      */
     struct {
+        /** Shapes. */
         rheo_fill *fill;
+        /** Walls. */
         rheo_wall *plane;
+        /** Vibrators: x and z of each. */
         double (*position)[2];
+        /** Points of the curve. */
         rheo_curve_point *curve;
     } owned;
 } rheo_scene;
@@ -213,13 +231,21 @@ RHEO_API rheo_scene rheo_default_model_scene(rheo_model model);
 /* ---- Arrays ---- */
 
 /**
- * Adds a shape, a wall, a vibrator at x, z, or a point of history.curve, whose age must be above that of the point
- * before. The first call copies an array that the caller made. A copy of a scene shares its arrays. RHEO_ERROR_ARGUMENT
- * if the scene is full (RHEO_MAX_FILLS, ...) or for a bad point; RHEO_ERROR_MEMORY.
+ * Adds a shape. The first call copies an array that the caller made. A copy of a scene shares its arrays.
+ * RHEO_ERROR_ARGUMENT if the scene is full (RHEO_MAX_FILLS); RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_scene_add_fill(rheo_scene *scene, const rheo_fill *fill, rheo_error *error);
+/** Adds a wall, as rheo_scene_add_fill() adds a shape. RHEO_ERROR_ARGUMENT beyond RHEO_MAX_WALLS; RHEO_ERROR_MEMORY. */
 RHEO_API rheo_result rheo_scene_add_wall(rheo_scene *scene, const rheo_wall *wall, rheo_error *error);
+/**
+ * Adds a vibrator at x, z, unit L, as rheo_scene_add_fill() adds a shape. RHEO_ERROR_ARGUMENT beyond RHEO_MAX_VIBRATORS;
+ * RHEO_ERROR_MEMORY.
+ */
 RHEO_API rheo_result rheo_scene_add_vibrator(rheo_scene *scene, double x, double z, rheo_error *error);
+/**
+ * Adds a point of history.curve, as rheo_scene_add_fill() adds a shape. RHEO_ERROR_ARGUMENT for an age that is not above that of
+ * the point before, and beyond RHEO_MAX_CURVE_POINTS; RHEO_ERROR_MEMORY.
+ */
 RHEO_API rheo_result rheo_scene_add_curve_point(rheo_scene *scene, double age, double weight, rheo_error *error);
 /** Frees the arrays that the functions above and rheo_scene_builtin() made. Worlds of the scene keep their copies. */
 RHEO_API void rheo_scene_release(rheo_scene *scene);
@@ -266,7 +292,9 @@ RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error
 RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t *count, rheo_error *error);
 /** Memory that a scene needs, in bytes: all, and its two parts that grow with other parameters. */
 typedef struct rheo_memory {
+    /** Number of particles. */
     uint64_t particles;
+    /** All memory of the world and its making. Unit: bytes. */
     double all;
     /** Of the history: grows with history.window. */
     double history;
@@ -290,31 +318,49 @@ RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing
 
 /** Numbers that follow from a scene before anything is made. A number that the scene does not have is NaN. */
 typedef struct rheo_preflight {
-    /** Thickening: kappa of a spring at rest, substep^2 k_min, and when the ball arrives, substep^2 K. Pure numbers. */
-    double kappa, kappa_impact;
+    /** Thickening: kappa of a spring at rest, substep^2 k_min. A pure number. */
+    double kappa;
+    /** Thickening: kappa when the ball arrives, substep^2 K. A pure number. */
+    double kappa_impact;
     /** Limit of kappa: the doctor's stiffness_number, for explicit springs of scheme sequential. */
     double kappa_limit;
     /** Thickening: difference n of D^q x between neighbours when the ball arrives, spacing (speed/radius)^q. Unit L/T^q. */
     double history_difference;
-    /** Thickening: k substep^2/h and k_near substep^2/h with the substeps at rest, and their first limits. Pure numbers. */
-    double pressure_number, pressure_limit, near_pressure_number, near_pressure_limit;
-    /** Substeps of the first steps or of fluid at rest, and, with a ball, when it arrives. */
-    double substeps, substeps_impact;
+    /** Thickening: k substep^2/h with the substeps at rest. A pure number. */
+    double pressure_number;
+    /** Thickening: first limit of pressure_number. */
+    double pressure_limit;
+    /** Thickening: k_near substep^2/h with the substeps at rest. A pure number. */
+    double near_pressure_number;
+    /** Thickening: first limit of near_pressure_number. */
+    double near_pressure_limit;
+    /** Substeps of the first steps, or of fluid at rest. */
+    double substeps;
+    /** With a ball: substeps when it arrives. */
+    double substeps_impact;
     /** Duration of a substep of the first steps. Unit T. */
     double substep;
     /** Radius of the ball in spacings. */
     double ball_resolution;
-    /** Speed of the ball when it arrives. Unit L/T. The same in supports per step. */
-    double ball_speed, ball_way;
-    /** How long the history is. Unit steps, and T. */
-    double memory_steps, memory_seconds;
-    /** Melting: speed of sound, L/T; jump numbers of the hottest and of the coldest particle at the start. */
-    double sound_speed, jump_least, jump_most;
+    /** Speed of the ball when it arrives. Unit L/T. */
+    double ball_speed;
+    /** Way of the ball in a step when it arrives, in supports. */
+    double ball_way;
+    /** How long the history is. Unit steps. */
+    double memory_steps;
+    /** How long the history is. Unit T. */
+    double memory_seconds;
+    /** Melting: speed of sound. Unit L/T. */
+    double sound_speed;
+    /** Melting: jump number of the hottest particle at the start. */
+    double jump_least;
+    /** Melting: jump number of the coldest particle at the start. */
+    double jump_most;
     /** Melting: word of melting.solver; NULL for other models. */
     const char *solver;
 } rheo_preflight;
 
-/** Estimates them from the parameters and shapes. Nothing is filled or simulated. Errors as in rheo_scene_check(). */
+/** Estimates these numbers from the parameters and shapes. Nothing is filled or simulated. Errors as in rheo_scene_check(). */
 RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_preflight *preflight, rheo_error *error);
 
 /* ---- Warnings: likely mistakes ---- */
@@ -355,20 +401,26 @@ typedef enum rheo_warning_kind {
 
 /** A likely mistake in a scene. */
 typedef struct rheo_warning {
+    /** Kind of the warning. */
     rheo_warning_kind kind;
     /** Nothing useful can be meant: rheo_scene_create_world() refuses the scene. */
     bool refused;
-    /** Shapes and wall that it is about, as indices; -1: none. Of one shape that overlaps itself, or is compressed
-     * by itself, both are the same. */
-    int32_t shape, other_shape, wall;
+    /** Index of the shape that it is about; -1: none. */
+    int32_t shape;
+    /** Index of a second shape; -1: none. The same as `shape` if that overlaps itself, or is compressed by itself. */
+    int32_t other_shape;
+    /** Index of the wall that it is about; -1: none. */
+    int32_t wall;
     /** Particles, or pairs of particles if kind is RHEO_WARNING_OVERLAP, that it is about; 0: none. */
     uint64_t count;
     /**
-     * The number that is out of range, and its limit; NaN: none. Unit L: depth behind a wall, least distance of
-     * particles, depth of the ball in wall or fluid, its diameter and the distance of two walls. SPEED and SETTLING:
-     * way in a step, in supports. PARAMETER: the measure that the text names. COMPRESSED: density, in those at rest.
+     * The number that is out of range; NaN: none. Unit L: depth behind a wall, least distance of particles, depth of the
+     * ball in wall or fluid, its diameter and the distance of two walls. SPEED and SETTLING: way in a step, in supports.
+     * PARAMETER: the measure that the text names. COMPRESSED: density, in those at rest.
      */
-    double value, limit;
+    double value;
+    /** Its limit; NaN: none. */
+    double limit;
     /** What is wrong, where, and what would be right; one line. */
     char text[512];
 } rheo_warning;

@@ -12,29 +12,31 @@ extern "C" {
 #endif
 
 /* clang-format off */
-/*
+/**
+ * @page scene_files The form of scene files
+ *
  * A scene file is one object. A missing key has its default value; {} is an empty scene. In every object, "$schema" and
  * "comment" may have any value and are ignored.
  *
- *   "scene", "about"    name, and one line about the scene; the default name is that of the file
- *   "model"             "thickening" (default) or "melting". Defaults depend on the model. Keys of other models are
- *                       refused. "model" may be anywhere in the file
- *   "step", "gravity", "seed", "steps", "particles", "settle": {"time", ...}, "fluid": {"support", ...}, ...
- *                       parameters: "fluid": {"support": 4} is fluid.support. Vectors are [x, y, z]. Choices are
- *                       words in quotes. history.window and history.lag are steps, or times such as "2.5 s"
- *   "fluid": {"shapes"} list of shapes such as {"sphere": {"centre": [0, 1, 0], "radius": 4}}. Particles are numbered
- *                       in this order. rheo_shape_at() lists the shapes and their members. The path of a mesh is
- *                       relative to the folder of the scene file
- *   "materials"         list of {"name", "springs": {"stiffness", "plasticity", "yield_ratio"},
- *                       "history": {"stiffness", "onset"}}, of which only the name is required. "material" of a shape
- *                       is such a name
- *   "walls": {"planes"} list of {"point", "normal"}; the normal points to the fluid
- *   "walls": {"boxes"}  list of {"min", "max", "open": ["top", ...]}. A box consists of the planes bottom, top, left
- *                       (-x), right, back (-z) and front, except those in "open"
- *   "vibrators": {"positions"}  list of [x, z]
- *   "history": {"curve"}        list of [age, weight], ages ascending
- *   "vibrators": {"grid"}       {"min": [x, z], "max": [x, z], "spacing"}. There is a vibrator in the middle of every
- *                               cell; x varies fastest
+ *     "scene", "about"    name, and one line about the scene; the default name is that of the file
+ *     "model"             "thickening" (default) or "melting". Defaults depend on the model. Keys of other models are
+ *                         refused. "model" may be anywhere in the file
+ *     "step", "gravity", "seed", "steps", "particles", "settle": {"time", ...}, "fluid": {"support", ...}, ...
+ *                         parameters: "fluid": {"support": 4} is fluid.support. Vectors are [x, y, z]. Choices are
+ *                         words in quotes. history.window and history.lag are steps, or times such as "2.5 s"
+ *     "fluid": {"shapes"} list of shapes such as {"sphere": {"centre": [0, 1, 0], "radius": 4}}. Particles are numbered
+ *                         in this order. rheo_shape_at() lists the shapes and their members. The path of a mesh is
+ *                         relative to the folder of the scene file
+ *     "materials"         list of {"name", "springs": {"stiffness", "plasticity", "yield_ratio"},
+ *                         "history": {"stiffness", "onset"}}, of which only the name is required. "material" of a shape
+ *                         is such a name
+ *     "walls": {"planes"} list of {"point", "normal"}; the normal points to the fluid
+ *     "walls": {"boxes"}  list of {"min", "max", "open": ["top", ...]}. A box consists of the planes bottom, top, left
+ *                         (-x), right, back (-z) and front, except those in "open"
+ *     "vibrators": {"positions"}  list of [x, z]
+ *     "history": {"curve"}        list of [age, weight], ages ascending
+ *     "vibrators": {"grid"}       {"min": [x, z], "max": [x, z], "spacing"}. There is a vibrator in the middle of every
+ *                                 cell; x varies fastest
  */
 /* clang-format on */
 

@@ -48,8 +48,10 @@ typedef struct rheo_surface_particles {
  * fluid, the vertices of a triangle are anticlockwise. Where no fluid is dense enough there are no triangles.
  */
 typedef struct rheo_surface {
-    /** Numbers of vertices and triangles. */
-    uint32_t vertices, triangles;
+    /** Number of vertices. */
+    uint32_t vertices;
+    /** Number of triangles. */
+    uint32_t triangles;
     /** Positions, vertices x 3. Unit L. */
     float *position;
     /** Unit normals out of the fluid, vertices x 3: the direction of -grad chi. */
@@ -116,10 +118,14 @@ RHEO_API bool rheo_export_has_surface(rheo_export_format format);
 
 /** Region and temperatures of a picture. All pictures of a film use one. */
 typedef struct rheo_extent {
-    /** Corners of a box. Unit L. */
-    double min[3], max[3];
-    /** Temperatures that are painted blue and red. Unit K. */
-    double coldest, hottest;
+    /** Lower corner of a box. Unit L. */
+    double min[3];
+    /** Upper corner of the box. Unit L. */
+    double max[3];
+    /** Temperature that is painted blue. Unit K. */
+    double coldest;
+    /** Temperature that is painted red. Unit K. */
+    double hottest;
 } rheo_extent;
 
 /**
@@ -155,8 +161,12 @@ typedef struct rheo_export_options {
 
 /** Contents of a written file. */
 typedef struct rheo_exported {
-    /** Numbers in the file; only formats with the surface have vertices and triangles. */
-    uint32_t particles, vertices, triangles;
+    /** Number of particles in the file; 0 in formats with the surface. */
+    uint32_t particles;
+    /** Number of vertices in the file; 0 in formats without the surface. */
+    uint32_t vertices;
+    /** Number of triangles in the file; 0 in formats without the surface. */
+    uint32_t triangles;
     /** Particles left out of the surface, as in rheo_surface. */
     uint32_t left_out;
 } rheo_exported;
@@ -187,7 +197,12 @@ RHEO_API rheo_result rheo_export_bytes(const char *path, const void *bytes, size
 /* ---- Pictures ---- */
 
 /** Pixels of a picture in each direction, at least and at most. */
-enum { RHEO_PICTURE_MIN = 16, RHEO_PICTURE_MAX = 4096 };
+enum {
+    /** The least number of pixels. */
+    RHEO_PICTURE_MIN = 16,
+    /** The largest number of pixels. */
+    RHEO_PICTURE_MAX = 4096
+};
 
 /** How the camera of a picture looks at its region. */
 typedef struct rheo_camera {
@@ -206,8 +221,10 @@ RHEO_API rheo_camera rheo_default_camera(void);
 
 /** Options of a picture. */
 typedef struct rheo_picture_options {
-    /** Size. Unit pixels. Range RHEO_PICTURE_MIN to RHEO_PICTURE_MAX, default 1280 x 720. */
-    uint32_t width, height;
+    /** Width. Unit pixels. Range RHEO_PICTURE_MIN to RHEO_PICTURE_MAX, default 1280. */
+    uint32_t width;
+    /** Height. Unit pixels. The same range, default 720. */
+    uint32_t height;
     /** Region that the camera shows; NULL: that of the world. */
     const rheo_extent *extent;
     /**

@@ -58,6 +58,7 @@ typedef enum rheo_source {
     RHEO_SOURCE_VIBRATOR = 19,
     /** A mode of the past, a sum over its velocities (its number, the slowest first). */
     RHEO_SOURCE_MODE = 20,
+    /** Number of sources. */
     RHEO_SOURCE_COUNT = 21,
 } rheo_source;
 
@@ -71,6 +72,7 @@ RHEO_API const char *rheo_source_item(rheo_source source);
 
 /** Something that was added to a value, or put in its place. */
 typedef struct rheo_contribution {
+    /** Where it came from. */
     rheo_source source;
     /** As rheo_source says; 0 if the source has none. */
     uint64_t item;
@@ -88,15 +90,20 @@ typedef struct rheo_contribution {
 
 /** What a run of a stage did to a field of a particle. */
 typedef struct rheo_change {
+    /** The step. */
     uint64_t step;
-    /** As of rheo_player_seek_stage(). */
+    /** The stage run, as of rheo_player_seek_stage(). */
     char stage[48];
+    /** Name of the field. */
     char field[32];
     /** Number of the stage run in the step, from 0: runs with smaller numbers were made before. */
     uint64_t run;
-    /** The field of the particle before and after the run: 1 component or 3, in the units of the field. Others are 0. */
+    /** Components of the field: 1 or 3. */
     uint32_t components;
-    double before[3], after[3];
+    /** The field of the particle before the run, in the units of the field. Components that it lacks are 0. */
+    double before[3];
+    /** The same after the run. */
+    double after[3];
     /** Before the run, all values of the particle that stages add to were finite. */
     bool was_finite;
     /**
@@ -104,8 +111,9 @@ typedef struct rheo_change {
      * to `before`, give `after`, bit for bit. It is true unless rheolog has a bug.
      */
     bool exact;
-    /** In the order in which they were added; valid until the receiver returns. */
+    /** Contributions in the order in which they were added; valid until the receiver returns. */
     const rheo_contribution *contribution;
+    /** Number of contributions. */
     size_t count;
 } rheo_change;
 
@@ -146,22 +154,34 @@ RHEO_API const char *rheo_not_finite_name(rheo_not_finite what);
 
 /** A cause: a stage run that changed a value of a particle, and the largest contribution in it. */
 typedef struct rheo_link {
-    uint64_t step, run;
+    /** The step. */
+    uint64_t step;
+    /** Number of the stage run in the step, from 0. */
+    uint64_t run;
+    /** The stage run, as of rheo_player_seek_stage(). */
     char stage[48];
+    /** Name of the field. */
     char field[32];
+    /** The particle. */
     uint64_t id;
-    /** As in rheo_change. */
+    /** Components of the field, as in rheo_change. */
     uint32_t components;
-    double before[3], after[3];
+    /** The field before the run, as in rheo_change. */
+    double before[3];
+    /** The field after the run, as in rheo_change. */
+    double after[3];
+    /** What happened to NaN and infinity. */
     rheo_not_finite not_finite;
-    /** Number of contributions, and the largest; of a value that is not finite, the first that is not. */
+    /** Number of contributions. */
     uint64_t contributions;
+    /** The largest contribution; of a value that is not finite, the first that is not. */
     rheo_contribution largest;
 } rheo_link;
 
 /** Is called for each link, from effect to cause; returns whether more are wanted. */
 typedef bool rheo_link_receiver(void *data, const rheo_link *link);
 
+/** Why a chain of causes ended. */
 typedef enum rheo_chain_end {
     /** As many links as were wanted. */
     RHEO_CHAIN_DEPTH = 0,
@@ -179,11 +199,15 @@ typedef enum rheo_chain_end {
     RHEO_CHAIN_BORN = 6,
 } rheo_chain_end;
 
+/** A chain of causes that was followed to its end. */
 typedef struct rheo_chain {
+    /** Number of links. */
     uint64_t links;
+    /** Why it ended. */
     rheo_chain_end end;
-    /** The step at which it ended, and why, in words. */
+    /** The step at which it ended. */
     uint64_t step;
+    /** Why it ended, in words. */
     char why[512];
 } rheo_chain;
 
@@ -206,15 +230,15 @@ RHEO_API rheo_result rheo_player_why_chain(rheo_player *player, uint64_t step, c
 
 /** Two particles in a step. */
 typedef struct rheo_pair_step {
+    /** The step. */
     uint64_t step;
     /** Both particles exist. */
     bool exists;
-    /**
-     * At the end of the step, and the least of the stages that decide. Unit L. In periodic space to the nearest image. NaN if
-     * a particle does not exist, or if nothing decided.
-     */
-    double distance, nearest;
-    /** That stage; "" if nothing decided in this step. */
+    /** Distance at the end of the step, in periodic space to the nearest image. Unit L. NaN if a particle does not exist. */
+    double distance;
+    /** Least distance after the stages that decide, in the same way. Unit L. NaN also if nothing decided. */
+    double nearest;
+    /** The stage with the least distance; "" if nothing decided in this step. */
     char stage[48];
     /** At the end of the step, there is a spring between them. */
     bool spring;
@@ -225,17 +249,24 @@ typedef bool rheo_pair_receiver(void *data, const rheo_pair_step *step);
 
 /** Why two particles have no spring, or did not meet. */
 typedef struct rheo_why_not {
-    /** Steps that were looked at. */
-    uint64_t first, last;
+    /** First step that was looked at. */
+    uint64_t first;
+    /** Last step that was looked at. */
+    uint64_t last;
     /** What springs and neighbours are closer than. Unit L. */
     double support;
     /** There is a spring in the step that was asked about, or the particles are closer than the support at its end. */
     bool holds;
-    /** The step that was asked about, and that with the least distance. */
-    rheo_pair_step at, nearest;
-    /** In one of the steps it holds; the first and the last of them. */
+    /** The step that was asked about. */
+    rheo_pair_step at;
+    /** The step with the least distance. */
+    rheo_pair_step nearest;
+    /** In one of the steps it holds. */
     bool held;
-    uint64_t held_first, held_last;
+    /** The first step in which it holds. Only if `held`. */
+    uint64_t held_first;
+    /** The last step in which it holds. Only if `held`. */
+    uint64_t held_last;
     /** In the step, the nearest image is across a border of periodic space. */
     bool across;
     /** The answer in one sentence. */

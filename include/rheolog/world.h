@@ -23,14 +23,20 @@
 extern "C" {
 #endif
 
-/** Most walls and vibrators of a world. */
+/** Most walls of a world. */
 #define RHEO_MAX_WALLS 64
+/** Most vibrators of a world. */
 #define RHEO_MAX_VIBRATORS 1024
 /** Most materials of a world beside the main one. */
 #define RHEO_MAX_MATERIALS 16
 
 /** Models. docs/parameters.md lists the parameters of each. */
-typedef enum rheo_model { RHEO_MODEL_THICKENING = 0, RHEO_MODEL_MELTING = 1 } rheo_model;
+typedef enum rheo_model {
+    /** Shear thickening fluids. */
+    RHEO_MODEL_THICKENING = 0,
+    /** Viscoplastic solids that melt. */
+    RHEO_MODEL_MELTING = 1
+} rheo_model;
 
 /* ---- Choices of the thickening model ---- */
 
@@ -54,7 +60,9 @@ typedef enum rheo_scheme {
 typedef enum rheo_positions_history {
     /** The gradient of the density constraint, and the viscosity. */
     RHEO_POSITIONS_BOTH = 0,
+    /** The gradient of the density constraint. */
     RHEO_POSITIONS_CONSTRAINT = 1,
+    /** The viscosity. */
     RHEO_POSITIONS_VISCOSITY = 2,
 } rheo_positions_history;
 
@@ -145,14 +153,29 @@ typedef enum rheo_laplacian {
     RHEO_LAPLACIAN_SECOND = 1,
 } rheo_laplacian;
 
-/** Motion. In a frozen world particles do not move and only heat flows; it has no stages of motion. */
-typedef enum rheo_flow { RHEO_FLOW_ON = 0, RHEO_FLOW_FROZEN = 1 } rheo_flow;
+/** Motion. */
+typedef enum rheo_flow {
+    /** Particles move. */
+    RHEO_FLOW_ON = 0,
+    /** Particles do not move and only heat flows. There are no stages of motion. */
+    RHEO_FLOW_FROZEN = 1
+} rheo_flow;
 
-/** Velocity of the fluid along walls: zero, or free. */
-typedef enum rheo_wall_slip { RHEO_WALL_NO_SLIP = 0, RHEO_WALL_FREE_SLIP = 1 } rheo_wall_slip;
+/** Velocity of the fluid along walls. */
+typedef enum rheo_wall_slip {
+    /** Zero. */
+    RHEO_WALL_NO_SLIP = 0,
+    /** Free. */
+    RHEO_WALL_FREE_SLIP = 1
+} rheo_wall_slip;
 
 /** Whether an equation is used as Paiva et al. print it, misprint included. */
-typedef enum rheo_as_printed { RHEO_AS_PRINTED_OFF = 0, RHEO_AS_PRINTED_ON = 1 } rheo_as_printed;
+typedef enum rheo_as_printed {
+    /** Corrected. */
+    RHEO_AS_PRINTED_OFF = 0,
+    /** As printed. */
+    RHEO_AS_PRINTED_ON = 1
+} rheo_as_printed;
 
 /* ---- Definitions ---- */
 
@@ -165,7 +188,7 @@ typedef struct rheo_wall {
 } rheo_wall;
 
 /**
- * A material of the thickening model beside the main one, whose parameters are springs.* and history.* of the
+ * A material of the thickening model beside the main one, whose parameters are in springs and history of the
  * definition. A member below 0 is that of the main material, also when that changes. All else, the pressure and the
  * viscosity of the fluid and kind, order, window and weights of the history, is common to all materials. Start from
  * rheo_default_material().
@@ -173,6 +196,7 @@ typedef struct rheo_wall {
 typedef struct rheo_material {
     /** Name in scene files: a letter, then letters, digits, - and _. Not "main"; no two materials have the same. */
     char name[16];
+    /** Its springs. */
     struct {
         /** k_min. Unit 1/T^2. Range >= -1, default -1. */
         double stiffness;
@@ -181,6 +205,7 @@ typedef struct rheo_material {
         /** Strain gamma. Range >= -1, default -1. */
         double yield_ratio;
     } springs;
+    /** Its history. */
     struct {
         /** k_hist. Unit T^(q-2)/L. Range >= -1, default -1. */
         double stiffness;
@@ -193,7 +218,7 @@ typedef struct rheo_material {
  * Definition of a world. Start from rheo_default_world_def() or rheo_default_model_def() and change members.
  *
  * Parameters have their member as a name, for example "springs.stiffness", in rheo_world_def_set(), scene files and
- * --set. "Range >= a" includes an upper limit of at least 1e12, and "any finite value" limits of +-1e12 or more
+ * `--set`. "Range >= a" includes an upper limit of at least 1e12, and "any finite value" limits of +-1e12 or more
  * (rheo_parameter_at() has the numbers). "Words" are the names of the enumerators, in their order. A model ignores
  * the parameters that it does not have.
  */
@@ -605,8 +630,11 @@ RHEO_API rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error 
 
 /* ---- Parameters by name: the table behind --set, scene files, recordings and commands ---- */
 
+/** What a parameter is, and how it is written. */
 typedef enum rheo_parameter_type {
+    /** A real number. */
     RHEO_PARAMETER_REAL,
+    /** A whole number. */
     RHEO_PARAMETER_INTEGER,
     /** Three reals, written [x, y, z]. */
     RHEO_PARAMETER_VECTOR,
@@ -618,6 +646,7 @@ typedef enum rheo_parameter_type {
     RHEO_PARAMETER_NAME,
 } rheo_parameter_type;
 
+/** A parameter of a definition or scene. */
 typedef struct rheo_parameter {
     /** Name, e.g. "fluid.support". */
     const char *path;
@@ -627,9 +656,13 @@ typedef struct rheo_parameter {
     const char *about;
     /** RHEO_PARAMETER_CHOICE: choice_count words, indexed by their enumerators; else NULL. */
     const char *const *choices;
+    /** Number of words. */
     uint32_t choice_count;
-    /** Range; -1e30 and 1e30 mean that there is no bound. */
-    double minimum, maximum;
+    /** Least value; -1e30: no bound. */
+    double minimum;
+    /** Largest value; 1e30: no bound. */
+    double maximum;
+    /** What it is. */
     rheo_parameter_type type;
     /** The minimum itself is not allowed. */
     bool above_minimum;
@@ -694,14 +727,20 @@ RHEO_API const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a,
 
 /* ---- Worlds ---- */
 
+/** A world: a state, the definition in force and the list of stages that make a step. */
 typedef struct rheo_world rheo_world;
 
 /** The kind of object that a field has one value for. */
 typedef enum rheo_location {
+    /** The world itself. */
     RHEO_LOCATION_WORLD,
+    /** A particle. */
     RHEO_LOCATION_PARTICLE,
+    /** A spring between two particles. */
     RHEO_LOCATION_SPRING,
+    /** A body, such as the ball. */
     RHEO_LOCATION_BODY,
+    /** A vibrator. */
     RHEO_LOCATION_VIBRATOR
 } rheo_location;
 
@@ -754,6 +793,7 @@ typedef struct rheo_failure {
     uint64_t id;
     /** Component of the field, from 0. RHEO_FAILURE_NOT_FINITE only, else 0. */
     uint32_t component;
+    /** Why the step failed. */
     rheo_failure_reason reason;
     /** RHEO_FAILURE_SUBSTEPS_...: substeps that the step requires; may be infinite. Else 0. */
     double required;
@@ -804,21 +844,20 @@ RHEO_API double rheo_world_time(const rheo_world *world);
 /** Hash of the whole state: all fields, rings and springs. Equal states have equal hashes on any machine. */
 RHEO_API uint64_t rheo_world_hash(const rheo_world *world);
 
-/*
- * ---- Commands: change a world between steps; a recorder records them, a replay applies them ----
- *
- * On any error the world is unchanged. All return RHEO_ERROR_ARGUMENT in the middle of a step, RHEO_ERROR_ENVIRONMENT
- * like rheo_world_step(), or RHEO_ERROR_MEMORY.
- */
+/* ---- Commands: change a world between steps; a recorder records them, a replay applies them ---- */
 
+/**
+ * Kind of a command. On any error of a command the world is unchanged. All commands return RHEO_ERROR_ARGUMENT in the
+ * middle of a step, RHEO_ERROR_ENVIRONMENT like rheo_world_step(), or RHEO_ERROR_MEMORY.
+ */
 typedef enum rheo_command_kind {
-    /** rheo_world_set() */
+    /** A parameter is changed: rheo_world_set(). */
     RHEO_COMMAND_SET = 1,
-    /** rheo_world_push_body() */
+    /** The ball gets an impulse: rheo_world_push_body(). */
     RHEO_COMMAND_PUSH_BODY = 2,
-    /** rheo_world_add_particles() */
+    /** Particles are added: rheo_world_add_particles(). */
     RHEO_COMMAND_ADD_PARTICLES = 3,
-    /** rheo_world_move_vibrator() */
+    /** A vibrator is moved: rheo_world_move_vibrator(). */
     RHEO_COMMAND_MOVE_VIBRATOR = 4,
 } rheo_command_kind;
 
@@ -860,9 +899,12 @@ RHEO_API const rheo_real *rheo_world_velocities(const rheo_world *world);
 
 /* ---- Springs ---- */
 
+/** A spring between two particles. */
 typedef struct rheo_spring {
-    /** Ids of the ends, a < b. */
-    uint32_t a, b;
+    /** Smaller id of its ends. */
+    uint32_t a;
+    /** Larger id of its ends. */
+    uint32_t b;
     /** Rest length. Unit L. */
     rheo_real rest_length;
 } rheo_spring;
@@ -872,7 +914,9 @@ RHEO_API size_t rheo_world_spring_count(const rheo_world *world);
 /** Copies up to `capacity` springs, ascending by a, then b. RHEO_ERROR_MEMORY if there is no memory for sorting. */
 RHEO_API rheo_result rheo_world_springs(const rheo_world *world, rheo_spring *springs, size_t capacity);
 
+/** State of a spring. */
 typedef struct rheo_spring_state {
+    /** Its ends and rest length. */
     rheo_spring spring;
     /** Distance of the ends. Unit L. */
     double length;
@@ -928,15 +972,17 @@ typedef struct rheo_mode_state {
 RHEO_API uint32_t rheo_world_history_modes(const rheo_world *world);
 /** Reads the modes of a particle, slowest first. RHEO_ERROR_ARGUMENT if there is no such particle or no modes. */
 RHEO_API rheo_result rheo_world_particle_modes(const rheo_world *world, uint32_t id, rheo_mode_state *modes);
-/** Reads the modes of a pair: those of the velocity differences v_a - v_b. */
+/** Reads the modes of a pair, those of the velocity differences v_a - v_b, as rheo_world_particle_modes() does. */
 RHEO_API rheo_result rheo_world_spring_modes(const rheo_world *world, uint32_t a, uint32_t b, rheo_mode_state *modes);
 
 /* ---- Computed from the present state, between steps or stages; the world does not change ---- */
 
 /** State of a particle. Members that the model does not have are 0; rheo_world_quantity() lists those that it has. */
 typedef struct rheo_particle_state {
-    /** Position, unit L. Velocity, unit L/T. */
-    double position[3], velocity[3];
+    /** Position. Unit L. */
+    double position[3];
+    /** Velocity. Unit L/T. */
+    double velocity[3];
     /** |velocity|. Unit L/T. */
     double speed;
     /** Thickening: rho, sum over the neighbours of (1 - r/h)^2. Melting: rho of the state, unit M/L^3. */
@@ -1043,6 +1089,7 @@ typedef enum rheo_top {
 
 /** A ranking that a model has. */
 typedef struct rheo_ranking {
+    /** The criterion. */
     rheo_top top;
     /** Name, e.g. "densest". */
     const char *name;
@@ -1057,11 +1104,13 @@ typedef struct rheo_ranking {
 /** Ranking by index; NULL past the last. The model decides which there are. */
 RHEO_API const rheo_ranking *rheo_world_ranking(const rheo_world *world, uint32_t index);
 
+/** An entry of a ranking. */
 typedef struct rheo_top_entry {
     /** Particle, or smaller id of a spring. */
     uint32_t id;
     /** Larger id of a spring; else 0. */
     uint32_t other_id;
+    /** Its value, in the unit of the ranking. */
     double value;
 } rheo_top_entry;
 
@@ -1094,9 +1143,12 @@ RHEO_API bool rheo_world_def_derived(const rheo_world_def *def, uint32_t index, 
 
 /* ---- Bodies and vibrators ---- */
 
+/** A rigid body: the ball. */
 typedef struct rheo_body {
-    /** Position, unit L. Velocity, unit L/T. */
-    double position[3], velocity[3];
+    /** Position of the centre. Unit L. */
+    double position[3];
+    /** Velocity. Unit L/T. */
+    double velocity[3];
     /** Angular velocity. Unit 1/T. */
     double spin[3];
     /** Orientation, a unit quaternion w, x, y, z. */
@@ -1112,9 +1164,12 @@ RHEO_API uint32_t rheo_world_body_count(const rheo_world *world);
 /** Reads a body. RHEO_ERROR_ARGUMENT if there is no such body. */
 RHEO_API rheo_result rheo_world_body(const rheo_world *world, uint32_t index, rheo_body *body);
 
+/** A vibrator. */
 typedef struct rheo_vibrator {
-    /** Horizontal position. Unit L. */
-    double x, z;
+    /** Horizontal position along x. Unit L. */
+    double x;
+    /** Horizontal position along z. Unit L. */
+    double z;
     /** Phase of the oscillation. Unit: turns. Range 0 to 1. */
     double phase;
     /** Present frequency. Unit 1/T. */
@@ -1129,8 +1184,14 @@ RHEO_API rheo_result rheo_world_vibrator(const rheo_world *world, uint32_t index
 /* ---- Plates ---- */
 
 /** The plates of a world that has plates. */
-enum { RHEO_PLATE_LOWER = 0, RHEO_PLATE_UPPER = 1 };
+enum {
+    /** The lower plate, which rests. */
+    RHEO_PLATE_LOWER = 0,
+    /** The upper plate, which moves. */
+    RHEO_PLATE_UPPER = 1
+};
 
+/** State of a plate. */
 typedef struct rheo_plate {
     /** Number of its particles, each of mass 1. */
     uint32_t particles;
@@ -1151,10 +1212,23 @@ RHEO_API bool rheo_world_plate(const rheo_world *world, uint32_t plate, rheo_pla
 
 /* ---- Fields: the state, as it is hashed and saved ---- */
 
-typedef enum rheo_element { RHEO_ELEMENT_F32, RHEO_ELEMENT_F64, RHEO_ELEMENT_U32, RHEO_ELEMENT_U64 } rheo_element;
+/** Type of the values of a field. */
+typedef enum rheo_element {
+    /** float */
+    RHEO_ELEMENT_F32,
+    /** double */
+    RHEO_ELEMENT_F64,
+    /** uint32_t */
+    RHEO_ELEMENT_U32,
+    /** uint64_t */
+    RHEO_ELEMENT_U64
+} rheo_element;
 
+/** A field of the state. */
 typedef struct rheo_field_info {
+    /** Name. */
     const char *name;
+    /** Type of the values. */
     rheo_element element;
     /** Kind of object that an item belongs to. */
     rheo_location location;
@@ -1182,7 +1256,9 @@ RHEO_API rheo_result rheo_world_field_read(const rheo_world *world, uint32_t ind
 
 /* ---- Stages, times, metrics ---- */
 
+/** A stage of the step. */
 typedef struct rheo_stage_info {
+    /** Name. */
     const char *name;
     /** Runs since creation or rheo_world_reset_times(). */
     uint64_t calls;
