@@ -312,6 +312,8 @@ typedef struct rheo_preflight {
     double sound_speed, jump_least, jump_most;
     /** Melting: word of melting.solver; NULL for other models. */
     const char *solver;
+    /** Largest speed of a point of an obstacle. Unit L/T. The same in supports per step. */
+    double obstacle_speed, obstacle_way;
 } rheo_preflight;
 
 /** Estimates them from the parameters and shapes. Nothing is filled or simulated. Errors as in rheo_scene_check(). */
@@ -334,7 +336,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
     X(SETTLING, "settling")             \
     X(COMPRESSED, "compressed")         \
     X(FAR, "far")                       \
-    X(BALL_TOO_SMALL, "ball-too-small")
+    X(BALL_TOO_SMALL, "ball-too-small") \
+    X(IN_OBSTACLE, "in-obstacle")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes or a plate hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
@@ -345,7 +348,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
  * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
  * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest; or a shape is so, because
  * the spacing does not fit the support), RHEO_WARNING_FAR (positions are so large that what they lose by rounding counts),
- * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles).
+ * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles), RHEO_WARNING_IN_OBSTACLE (particles of a shape are
+ * where an obstacle has no fluid). SPEED: also of an obstacle.
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,
@@ -358,9 +362,9 @@ typedef struct rheo_warning {
     rheo_warning_kind kind;
     /** Nothing useful can be meant: rheo_scene_create_world() refuses the scene. */
     bool refused;
-    /** Shapes and wall that it is about, as indices; -1: none. Of one shape that overlaps itself, or is compressed
+    /** Shapes, wall and obstacle that it is about, as indices; -1: none. Of one shape that overlaps itself, or is compressed
      * by itself, both are the same. */
-    int32_t shape, other_shape, wall;
+    int32_t shape, other_shape, wall, obstacle;
     /** Particles, or pairs of particles if kind is RHEO_WARNING_OVERLAP, that it is about; 0: none. */
     uint64_t count;
     /**
