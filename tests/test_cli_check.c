@@ -75,8 +75,9 @@ static void warnings_have_an_exit_code_of_their_own(void **state)
     assert_keys(out, keys);
     assert_string_equal(value_of("verdict"), "\"warnings\"");
     assert_in("{\"kind\": \"ball-too-large\", \"refused\": false, \"text\": \"the ball does not fit", out);
-    assert_in("\"shape\": null, \"other_shape\": null, \"wall\": 1, \"count\": 0, \"value\": 54, \"limit\": 48}",
-              out);
+    assert_in(
+        "\"shape\": null, \"other_shape\": null, \"wall\": 1, \"obstacle\": null, \"count\": 0, \"value\": 54, \"limit\": 48}",
+        out);
 }
 
 /* Regression: a radius in another unit was not noticed, and the ball fell between the particles. */

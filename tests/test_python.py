@@ -483,8 +483,8 @@ class Tests(unittest.TestCase):
         del c.list[[i for i, chunk in enumerate(c.list) if chunk[0] == b'STEP'][4]]
         self.refused('step 5 is missing', lambda: rheolog.open(c.written()))
         c = Chunks('full.rlog')
-        c.find(b'HEAD')[0] = 6
-        self.refused('this reads version 5 of the format, not 6', lambda: rheolog.open(c.written()))
+        c.find(b'HEAD')[0] = 7
+        self.refused('this reads versions 5 and 6 of the format, not 7', lambda: rheolog.open(c.written()))
         c = Chunks('full.rlog')
         c.list.insert(2, [b'NEWS', 0, 0, bytearray(b'1')])
         self.refused('no chunk type NEWS', lambda: rheolog.open(c.written()))

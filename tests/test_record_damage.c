@@ -279,7 +279,7 @@ static void unknown_chunks_and_versions(void **state)
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "follow"));
     assert_non_null(strstr(v.message, "restore it from version control"));
-    put(other + 8 + 32, 6, 4);
+    put(other + 8 + 32, 7, 4);
     seal(other + 8);
     v = verify_bytes(other, size);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);

@@ -164,7 +164,7 @@ static void draw_half(rheo__canvas *c, const int which[3])
         corner[k][1] = SQUARE[which[k]][1];
         corner[k][2] = 6 + .5 * corner[k][0];
     }
-    rheo__draw_triangle(c, (const double(*)[3])corner, (const double(*)[3])normal, shade, true);
+    rheo__draw_triangle(c, (const double(*)[3])corner, (const double(*)[3])normal, shade, 0);
 }
 
 /* Two triangles cover a square without a gap, and only from the front. */
@@ -218,8 +218,7 @@ static void a_surface_has_no_holes(void **unused)
                                corner[k]);
             rheo__canvas_direction(&c, (const double[]){(double)n[0], (double)n[1], (double)n[2]}, normal[k]);
         }
-        rheo__draw_triangle(&c, (const double(*)[3])corner, (const double(*)[3])normal, (const double[]){0, 0, 0},
-                            false);
+        rheo__draw_triangle(&c, (const double(*)[3])corner, (const double(*)[3])normal, NULL, RHEO__PAINT_PLAIN);
     }
     double centre[3];
     rheo__canvas_point(&c, (const double[]){0, 0, 0}, centre);

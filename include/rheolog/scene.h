@@ -358,6 +358,10 @@ typedef struct rheo_preflight {
     double jump_most;
     /** Melting: word of melting.solver; NULL for other models. */
     const char *solver;
+    /** Largest speed of a point of an obstacle. Unit L/T. */
+    double obstacle_speed;
+    /** Way of that point in a step, in supports. */
+    double obstacle_way;
 } rheo_preflight;
 
 /** Estimates these numbers from the parameters and shapes. Nothing is filled or simulated. Errors as in rheo_scene_check(). */
@@ -380,7 +384,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
     X(SETTLING, "settling")             \
     X(COMPRESSED, "compressed")         \
     X(FAR, "far")                       \
-    X(BALL_TOO_SMALL, "ball-too-small")
+    X(BALL_TOO_SMALL, "ball-too-small") \
+    X(IN_OBSTACLE, "in-obstacle")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes or a plate hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
@@ -391,7 +396,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
  * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
  * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest; or a shape is so, because
  * the spacing does not fit the support), RHEO_WARNING_FAR (positions are so large that what they lose by rounding counts),
- * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles).
+ * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles), RHEO_WARNING_IN_OBSTACLE (particles of a shape are
+ * where an obstacle has no fluid). SPEED: also of an obstacle.
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,
@@ -411,6 +417,8 @@ typedef struct rheo_warning {
     int32_t other_shape;
     /** Index of the wall that it is about; -1: none. */
     int32_t wall;
+    /** Index of the obstacle that it is about; -1: none. */
+    int32_t obstacle;
     /** Particles, or pairs of particles if kind is RHEO_WARNING_OVERLAP, that it is about; 0: none. */
     uint64_t count;
     /**

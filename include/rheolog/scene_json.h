@@ -33,6 +33,9 @@ extern "C" {
  *     "walls": {"planes"} list of {"point", "normal"}; the normal points to the fluid
  *     "walls": {"boxes"}  list of {"min", "max", "open": ["top", ...]}. A box consists of the planes bottom, top, left
  *                         (-x), right, back (-z) and front, except those in "open"
+ *     "obstacles"         list of obstacles such as {"box": {"position": [0, 3, 0], "size": [8, 2, 1], "spin": [0, 2, 0]}};
+ *                         the shapes are sphere, box, cylinder and mesh, and the keys the parameters that a shape has
+ *                         (rheo_obstacle_parameter_at()). A mesh has a "file" too, whose path is as that of a shape
  *     "vibrators": {"positions"}  list of [x, z]
  *     "history": {"curve"}        list of [age, weight], ages ascending
  *     "vibrators": {"grid"}       {"min": [x, z], "max": [x, z], "spacing"}. There is a vibrator in the middle of every

@@ -103,7 +103,7 @@ typedef enum rheo_export_format {
     RHEO_EXPORT_CSV,
     /** Springs as lines, with length, rest length, stretch, history rate, stiffness and kappa: VTK XML PolyData. */
     RHEO_EXPORT_SPRINGS,
-    /** Balls as spheres, walls as squares and vibrators as points: VTK XML PolyData. */
+    /** Balls as spheres, walls as squares, vibrators as points and obstacles as triangles: VTK XML PolyData. */
     RHEO_EXPORT_SOLIDS,
     /** Surface, with normals and the values of `colour`: VTK XML PolyData. */
     RHEO_EXPORT_SURFACE,

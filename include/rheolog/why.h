@@ -58,15 +58,17 @@ typedef enum rheo_source {
     RHEO_SOURCE_VIBRATOR = 19,
     /** A mode of the past, a sum over its velocities (its number, the slowest first). */
     RHEO_SOURCE_MODE = 20,
+    /** An obstacle (its number). */
+    RHEO_SOURCE_OBSTACLE = 21,
     /** Number of sources. */
-    RHEO_SOURCE_COUNT = 21,
+    RHEO_SOURCE_COUNT = 22,
 } rheo_source;
 
 /** Short name of a source, such as "spring"; NULL if there is none of this number. */
 RHEO_API const char *rheo_source_name(rheo_source source);
 /**
- * What its item is: "particle", "wall", "plate", "lag", "vibrator" or "mode"; "" if it has none; NULL if there is no source of
- * this number.
+ * What its item is: "particle", "wall", "plate", "lag", "vibrator", "mode" or "obstacle"; "" if it has none; NULL if there is
+ * no source of this number.
  */
 RHEO_API const char *rheo_source_item(rheo_source source);
 

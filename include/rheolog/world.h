@@ -27,6 +27,12 @@ extern "C" {
 #define RHEO_MAX_WALLS 64
 /** Most vibrators of a world. */
 #define RHEO_MAX_VIBRATORS 1024
+/** Most obstacles of a world. */
+#define RHEO_MAX_OBSTACLES 16
+/** Most vertices that all meshes of obstacles have together. */
+#define RHEO_MAX_OBSTACLE_VERTICES 200000
+/** Most triangles that all meshes of obstacles have together. */
+#define RHEO_MAX_OBSTACLE_TRIANGLES 200000
 /** Most materials of a world beside the main one. */
 #define RHEO_MAX_MATERIALS 16
 
@@ -214,6 +220,68 @@ typedef struct rheo_material {
     } history;
 } rheo_material;
 
+/** Shape of an obstacle. Words sphere, box, cylinder, mesh. */
+typedef enum rheo_obstacle_shape {
+    RHEO_OBSTACLE_SPHERE = 0,
+    RHEO_OBSTACLE_BOX = 1,
+    RHEO_OBSTACLE_CYLINDER = 2,
+    RHEO_OBSTACLE_MESH = 3,
+} rheo_obstacle_shape;
+
+/** Where the fluid is: outside of an obstacle, or inside, as in a drum. Words false, true. */
+typedef enum rheo_obstacle_side { RHEO_OBSTACLE_OUTSIDE = 0, RHEO_OBSTACLE_INSIDE = 1 } rheo_obstacle_side;
+
+/**
+ * An obstacle: a rigid solid whose motion is given, and which stops fluid and ball as a wall does (docs/model.md,
+ * Obstacles). Its centre moves with the velocity
+ *
+ *     velocity + amplitude 2 pi frequency cos(2 pi phase),   d phase/dt = frequency,
+ *
+ * phase 0 at step 0, and it turns about its centre with the angular velocity `spin`. Start from
+ * rheo_default_obstacle().
+ */
+typedef struct rheo_obstacle {
+    /** Shape. Words sphere, box, cylinder, mesh; default sphere. */
+    rheo_obstacle_shape shape;
+    /** Where the fluid is. Words false (outside), true (inside); default false. */
+    rheo_obstacle_side inside;
+    /** Centre at step 0; of a mesh: middle of the underside of its bounding box. Unit L. Any finite value, default [0, 0, 0]. */
+    double position[3];
+    /** Rotation about the centre at step 0: along its axis, as long as its angle in degrees. Any finite value, default [0, 0, 0]. */
+    double rotation[3];
+    /** Sphere, cylinder: radius. Unit L. Range >= 0, default 1. Zero is refused. */
+    double radius;
+    /** Box: lengths of its edges. Unit L. Range >= 0, default [1, 1, 1]. Zero is refused. */
+    double size[3];
+    /** Cylinder: direction of its axis. Any finite value, default [0, 1, 0]. Zero is refused. */
+    double axis[3];
+    /** Cylinder: length along its axis. Unit L. Range >= 0, default 1. Zero is refused. */
+    double length;
+    /** Mesh: height (y) that it is scaled to; 0: as it is. Unit L. Range >= 0, default 0. */
+    double height;
+    /** Velocity. Unit L/T. Any finite value, default [0, 0, 0]. */
+    double velocity[3];
+    /** Angular velocity. Unit 1/T. Any finite value, default [0, 0, 0]. */
+    double spin[3];
+    /** Amplitude of an oscillation, which begins in the middle. Unit L. Any finite value, default [0, 0, 0]. */
+    double amplitude[3];
+    /** Its frequency. Unit 1/T. Range >= 0, default 0. */
+    double frequency;
+    /** Scenes only, mesh: "bunny" or the path of an .obj or .ply file, as in rheo_fill. */
+    char file[256];
+    /**
+     * Mesh: a closed surface, two triangles at every edge, oriented alike; the vertices of a triangle are anticlockwise
+     * seen from outside. A world copies both arrays.
+     */
+    struct {
+        uint32_t vertex_count, triangle_count;
+        /** Vertices. Unit L. Within 1e30. */
+        const double (*vertex)[3];
+        /** Triangles: numbers of vertices. No triangle has an area of 0. */
+        const uint32_t (*triangle)[3];
+    } mesh;
+} rheo_obstacle;
+
 /**
  * Definition of a world. Start from rheo_default_world_def() or rheo_default_model_def() and change members.
  *
@@ -360,6 +428,14 @@ typedef struct rheo_world_def {
         /** Walls, in the order in which they act. A world copies them. */
         const rheo_wall *plane;
     } walls;
+
+    /** Obstacles. Thickening only; not in periodic space. */
+    struct {
+        /** Number of obstacles. Range 0 to RHEO_MAX_OBSTACLES, default 0. */
+        uint32_t count;
+        /** Obstacle 0, 1, ..., in the order in which they act. */
+        rheo_obstacle list[RHEO_MAX_OBSTACLES];
+    } obstacles;
 
     /** A rigid ball. Thickening only. */
     struct {
@@ -617,6 +693,11 @@ RHEO_API rheo_result rheo_world_def_add_material(rheo_world_def *def, const rheo
 RHEO_API bool rheo_world_def_material(const rheo_world_def *def, const char *name, uint32_t *number);
 /** Name of a material; "main" for 0, "" if there is no such material. */
 RHEO_API const char *rheo_world_def_material_name(const rheo_world_def *def, uint32_t number);
+/** An obstacle of this shape with all its defaults: a sphere of radius 1, a cube with edges of 1, ... */
+RHEO_API rheo_obstacle rheo_default_obstacle(rheo_obstacle_shape shape);
+/** Adds an obstacle to a definition. RHEO_ERROR_ARGUMENT if it has too many. */
+RHEO_API rheo_result rheo_world_def_add_obstacle(rheo_world_def *def, const rheo_obstacle *obstacle,
+                                                 rheo_error *error);
 /** Number of models; a rheo_model is below it. */
 RHEO_API uint32_t rheo_model_count(void);
 /** Name of a model, as in scene files: "thickening", "melting". NULL past the last model. */
@@ -681,8 +762,9 @@ RHEO_API size_t rheo_parameter_count(void);
 /** Parameter by index; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_parameter_at(size_t index);
 /**
- * Parameters of a definition with its materials: those of rheo_parameter_at(), then six of each material, such as
- * materials.1.name and materials.1.springs.stiffness.
+ * Parameters of a definition with its materials and obstacles: those of rheo_parameter_at(), then six of each material,
+ * such as materials.1.name and materials.1.springs.stiffness, then those of each obstacle, such as
+ * obstacles.0.velocity, that its shape has.
  */
 RHEO_API size_t rheo_world_def_parameter_count(const rheo_world_def *def);
 /** Parameter by index; NULL past the last. */
@@ -694,6 +776,10 @@ RHEO_API const rheo_parameter *rheo_world_def_parameter_at(const rheo_world_def 
 RHEO_API const rheo_parameter *rheo_world_def_parameter_find(const rheo_world_def *def, const char *path);
 /** Parameter of any material by index, with a path such as "materials.NAME.springs.stiffness"; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_material_parameter_at(size_t index);
+/** Parameter of any obstacle by index, with a path such as "obstacles.0.velocity"; NULL past the last. */
+RHEO_API const rheo_parameter *rheo_obstacle_parameter_at(size_t index);
+/** Whether obstacles of a shape have this parameter of rheo_obstacle_parameter_at(). */
+RHEO_API bool rheo_obstacle_has_parameter(rheo_obstacle_shape shape, const rheo_parameter *parameter);
 /** The path that is nearest to a misspelt one; never NULL. */
 RHEO_API const char *rheo_parameter_nearest(const char *path);
 /**
@@ -741,15 +827,18 @@ typedef enum rheo_location {
     /** A body, such as the ball. */
     RHEO_LOCATION_BODY,
     /** A vibrator. */
-    RHEO_LOCATION_VIBRATOR
+    RHEO_LOCATION_VIBRATOR,
+    /** An obstacle. */
+    RHEO_LOCATION_OBSTACLE
 } rheo_location;
 
-/** "world", "particle", "spring", "body" or "vibrator"; "item" for any other value. */
+/** "world", "particle", "spring", "body", "vibrator" or "obstacle"; "item" for any other value. */
 RHEO_API const char *rheo_item_name(rheo_location location);
 
 /**
  * Makes a world at step 0 from a definition, whose arrays it copies. The world gets only the stages, fields and
- * memory that the definition needs: those of history, springs, viscosity, ball, walls, vibrators or plates only if present.
+ * memory that the definition needs: those of history, springs, viscosity, ball, walls, obstacles, vibrators or plates only
+ * if present.
  * Errors: RHEO_ERROR_ARGUMENT (rheo_world_def_check()), RHEO_ERROR_MEMORY, and RHEO_ERROR_ENVIRONMENT in a
  * floating-point environment in which the bits would differ. *world is then NULL.
  */
@@ -869,7 +958,8 @@ RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, cons
                                           const double point[3], rheo_error *error);
 /**
  * Changes a live parameter; those of a material are found by its name or number (rheo_world_def_parameter_find()).
- * ball.position, ball.velocity and ball.spin set the state. RHEO_ERROR_ARGUMENT if the parameter is unknown, not live,
+ * ball.position, ball.velocity and ball.spin set the state, as position and rotation of an obstacle do
+ * (obstacles.0.position). RHEO_ERROR_ARGUMENT if the parameter is unknown, not live,
  * or out of range; if its stages are missing because it was 0 at creation (say history.stiffness); or if it is
  * history.weights (kinds full and tempered), history.order (kind tempered), or with history.of length the step.
  */
@@ -1180,6 +1270,35 @@ typedef struct rheo_vibrator {
 RHEO_API uint32_t rheo_world_vibrator_count(const rheo_world *world);
 /** Reads a vibrator. RHEO_ERROR_ARGUMENT if there is no such vibrator. */
 RHEO_API rheo_result rheo_world_vibrator(const rheo_world *world, uint32_t index, rheo_vibrator *vibrator);
+
+/* ---- Obstacles ---- */
+
+typedef struct rheo_obstacle_state {
+    /** Shape, and where the fluid is. */
+    rheo_obstacle_shape shape;
+    bool inside;
+    /** Centre. Unit L. */
+    double position[3];
+    /** Orientation, a unit quaternion w, x, y, z: turns the shape as the definition gives it. */
+    double rotation[4];
+    /** Phase of the oscillation. Unit: turns. Range 0 to 1. */
+    double phase;
+    /** Velocity of the centre, with that of the oscillation. Unit L/T. */
+    double velocity[3];
+    /** Angular velocity. Unit 1/T. */
+    double spin[3];
+} rheo_obstacle_state;
+
+/** Number of obstacles. */
+RHEO_API uint32_t rheo_world_obstacle_count(const rheo_world *world);
+/** Reads an obstacle. RHEO_ERROR_ARGUMENT if there is no such obstacle. */
+RHEO_API rheo_result rheo_world_obstacle(const rheo_world *world, uint32_t index, rheo_obstacle_state *state);
+/**
+ * Distance of a point from the surface of an obstacle, unit L: above 0 where the fluid is. normal: unit vector along which
+ * it grows, out of the solid; may be NULL. NaN if there is no such obstacle.
+ */
+RHEO_API double rheo_world_obstacle_distance(const rheo_world *world, uint32_t index, const double point[3],
+                                             double normal[3]);
 
 /* ---- Plates ---- */
 

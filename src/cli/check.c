@@ -27,6 +27,7 @@ static void write_warning(rheo__json *json, const rheo_warning *w)
     rheo__json_index(json, "shape", w->shape);
     rheo__json_index(json, "other_shape", w->other_shape);
     rheo__json_index(json, "wall", w->wall);
+    rheo__json_index(json, "obstacle", w->obstacle);
     rheo__json_integer(json, "count", w->count);
     rheo__json_number(json, "value", w->value);
     rheo__json_number(json, "limit", w->limit);

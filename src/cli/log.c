@@ -31,6 +31,7 @@ static void write_made(const char *file, const rheo_recording *recording)
     cli_differing_parameters_json(&json, "defaults", def, &usual);
     rheo__json_integer(&json, "walls", def->walls.count);
     rheo__json_integer(&json, "vibrators", def->vibrators.count);
+    rheo__json_integer(&json, "obstacles", def->obstacles.count);
     cli_blessings_json(&json, recording);
     rheo__json_integer(&json, "commands", rheo_recording_command_count(recording));
     rheo__json_bool(&json, "made_refused", info.made_refused);
@@ -108,6 +109,8 @@ static void print_made(const char *file, const rheo_recording *recording)
     if (def->walls.count || def->vibrators.count)
         printf("geometry    %u wall%s, %u vibrator%s\n", (unsigned)def->walls.count, cli_plural(def->walls.count),
                (unsigned)def->vibrators.count, cli_plural(def->vibrators.count));
+    if (def->obstacles.count)
+        printf("obstacles   %u\n", (unsigned)def->obstacles.count);
     if (def->history.curve_count)
         printf("curve       %u points from %g to %g T\n", (unsigned)def->history.curve_count,
                def->history.curve[0].age, def->history.curve[def->history.curve_count - 1].age);

@@ -44,8 +44,8 @@ int cli_split_setting(const cli_command *command, const char *text, char *key, s
     const char *equals = strchr(text, '=');
     if (!equals || equals == text || !equals[1])
         return cli_usage(command, "--set needs KEY=VALUE, e.g. fluid.support=4; got \"%s\"", text);
-    static const char *const LISTS[] = {"fluid.shapes",        "walls.planes",   "walls.boxes",
-                                        "vibrators.positions", "vibrators.grid", "history.curve"};
+    static const char *const LISTS[] = {"fluid.shapes",   "walls.planes",  "walls.boxes", "vibrators.positions",
+                                        "vibrators.grid", "history.curve", "obstacles"};
     for (size_t i = 0; i < sizeof LISTS / sizeof *LISTS; i++)
         if (strlen(LISTS[i]) == (size_t)(equals - text) && strncmp(text, LISTS[i], strlen(LISTS[i])) == 0)
             return cli_usage(command, "--set cannot change %s: only a scene file can, see `rheolog scenes --schema`",

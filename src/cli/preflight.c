@@ -49,6 +49,8 @@ void cli_preflight_json(rheo__json *json, const cli_preflight *p)
                           {"ball_resolution", n->ball_resolution},
                           {"ball_speed", n->ball_speed},
                           {"ball_way", n->ball_way},
+                          {"obstacle_speed", n->obstacle_speed},
+                          {"obstacle_way", n->obstacle_way},
                           {"memory_steps", n->memory_steps},
                           {"memory_seconds", n->memory_seconds},
                           {"sound_speed", n->sound_speed},
@@ -175,6 +177,11 @@ void cli_preflight_print(const cli_preflight *p)
         begin(line, "ball");
         add(line, "radius of %.3g spacings; arrives with %.3g L/T, %.3g supports a step", n->ball_resolution,
             n->ball_speed, n->ball_way);
+        end(line);
+    }
+    if (known(n->obstacle_speed)) {
+        begin(line, "obstacles");
+        add(line, "up to %.3g L/T, %.3g supports a step", n->obstacle_speed, n->obstacle_way);
         end(line);
     }
     if (known(n->memory_steps)) {

@@ -12,6 +12,8 @@ const rheo_parameter *cli_next_differing(const rheo_world_def *def, size_t *inde
     const rheo_parameter *p = NULL;
     for (defaults.materials.count = 0; defaults.materials.count < def->materials.count; defaults.materials.count++)
         defaults.materials.list[defaults.materials.count] = rheo_default_material("");
+    for (uint32_t k = 0; k < def->obstacles.count; k++)
+        defaults.obstacles.list[defaults.obstacles.count++] = rheo_default_obstacle(def->obstacles.list[k].shape);
     do
         p = rheo_world_def_differing(def, &defaults, index, value, usual);
     while (p && !(p->models >> def->model & 1));

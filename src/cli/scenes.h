@@ -8,6 +8,8 @@
 bool cli_has_parameter(rheo_model model, const rheo_parameter *p);
 /* Writes the default of a parameter in scenes of a model as text. `value` holds >= 128 bytes. Returns `value`. */
 const char *cli_parameter_default(rheo_model model, const rheo_parameter *p, char *value);
+/* Default of a parameter of rheo_obstacle_parameter_at(), for a shape that has it. Returns `value`, which holds 128 bytes. */
+const char *cli_obstacle_default(rheo_obstacle_shape shape, const rheo_parameter *p, char *value);
 /* First model that has the parameter. */
 rheo_model cli_first_model(const rheo_parameter *p);
 

@@ -15,8 +15,27 @@ bool cli_has_parameter(rheo_model model, const rheo_parameter *p)
 const char *cli_parameter_default(rheo_model model, const rheo_parameter *p, char *value)
 {
     const rheo_scene scene = rheo_default_model_scene(model);
-    if (rheo_scene_get(&scene, p->path, value, 128) != RHEO_OK)
-        rheo__number_text(p->minimum, value, 128); /* of a material: that of the main one */
+    if (rheo_scene_get(&scene, p->path, value, 128) == RHEO_OK)
+        return value;
+    for (size_t i = 0; rheo_obstacle_parameter_at(i); i++)
+        if (p == rheo_obstacle_parameter_at(i)) {
+            rheo_obstacle_shape shape = RHEO_OBSTACLE_SPHERE;
+            while (!rheo_obstacle_has_parameter(shape, p))
+                shape++;
+            return cli_obstacle_default(shape, p, value);
+        }
+    rheo__number_text(p->minimum, value, 128); /* of a material: that of the main one */
+    return value;
+}
+
+const char *cli_obstacle_default(rheo_obstacle_shape shape, const rheo_parameter *p, char *value)
+{
+    rheo_scene scene = rheo_default_scene();
+    const rheo_obstacle obstacle = rheo_default_obstacle(shape);
+    rheo_error ignored;
+    value[0] = 0;
+    if (rheo_world_def_add_obstacle(&scene.world, &obstacle, &ignored) == RHEO_OK)
+        rheo_scene_get(&scene, p->path, value, 128);
     return value;
 }
 
@@ -28,11 +47,16 @@ rheo_model cli_first_model(const rheo_parameter *p)
     return model;
 }
 
-/* The parameters of a scene, then those of a material. */
+/* The parameters of a scene, then those of a material and of an obstacle. */
 static const rheo_parameter *parameter_at(size_t index)
 {
     const size_t of_scene = rheo_scene_parameter_count();
-    return index < of_scene ? rheo_scene_parameter_at(index) : rheo_material_parameter_at(index - of_scene);
+    size_t of_material = 0;
+    while (rheo_material_parameter_at(of_material))
+        of_material++;
+    return index < of_scene                 ? rheo_scene_parameter_at(index)
+           : index < of_scene + of_material ? rheo_material_parameter_at(index - of_scene)
+                                            : rheo_obstacle_parameter_at(index - of_scene - of_material);
 }
 
 /* The only model that has the parameter; NULL if there are several. */

@@ -104,6 +104,27 @@ static void put_material_parameter(rheo__json *json, const rheo_parameter *p)
     rheo__json_end_object(json);
 }
 
+/* A parameter of an obstacle. A choice is of the words false and true. */
+static void put_obstacle_parameter(rheo__json *json, const rheo_parameter *p, rheo_obstacle_shape shape)
+{
+    char value[128] = "";
+    begin_parameter(json, p);
+    cli_obstacle_default(shape, p, value);
+    if (p->type == RHEO_PARAMETER_CHOICE) {
+        put_type(json, "boolean");
+        rheo__json_bool(json, "default", strcmp(value, "true") == 0);
+    } else {
+        if (p->type == RHEO_PARAMETER_VECTOR) {
+            put_numbers(json, 3, p->minimum, p->maximum);
+        } else {
+            put_type(json, "number");
+            put_range(json, p->minimum, p->above_minimum, p->maximum, p->below_maximum);
+        }
+        rheo__json_parameter(json, "default", p, value);
+    }
+    rheo__json_end_object(json);
+}
+
 static void put_parameter(rheo__json *json, const rheo_parameter *p, rheo_model model)
 {
     char value[128];
@@ -281,6 +302,34 @@ static void put_materials(rheo__json *json)
     rheo__json_end_object(json);
 }
 
+/* Writes the obstacles: a list of objects with one shape, which has its parameters. */
+static void put_obstacles(rheo__json *json)
+{
+    const rheo_parameter *shape = rheo_obstacle_parameter_at(0), *p;
+    begin_list_of(json, "obstacles", RHEO_MAX_OBSTACLES);
+    rheo__json_begin_object(json, "items");
+    rheo__json_begin_list(json, "oneOf");
+    for (uint32_t k = 0; k < shape->choice_count; k++) {
+        begin_closed(json, NULL);
+        begin_closed(json, shape->choices[k]);
+        if (k == RHEO_OBSTACLE_MESH) {
+            rheo__json_begin_object(json, "file");
+            rheo__json_text(json, "description", "\"bunny\", which is built in, or an .obj or .ply file");
+            put_type(json, "string");
+            rheo__json_number(json, "maxLength", (double)sizeof((rheo_obstacle *)0)->file - 1);
+            rheo__json_end_object(json);
+        }
+        for (size_t i = 1; (p = rheo_obstacle_parameter_at(i)); i++)
+            if (rheo_obstacle_has_parameter((rheo_obstacle_shape)k, p))
+                put_obstacle_parameter(json, p, (rheo_obstacle_shape)k);
+        end_closed(json, k == RHEO_OBSTACLE_MESH ? "file" : "");
+        end_closed(json, shape->choices[k]);
+    }
+    rheo__json_end_list(json);
+    rheo__json_end_object(json);
+    rheo__json_end_object(json);
+}
+
 static void put_curve(rheo__json *json)
 {
     begin_list_of(json, "curve", RHEO_MAX_CURVE_POINTS);
@@ -338,6 +387,8 @@ static void put_model(rheo__json *json, rheo_model model)
     rheo__json_end_object(json);
     if (cli_has_parameter(model, rheo_material_parameter_at(0)))
         put_materials(json);
+    if (cli_has_parameter(model, rheo_obstacle_parameter_at(0)))
+        put_obstacles(json);
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
         const size_t length = strcspn(p->path, ".");
         snprintf(group, sizeof group, " %.*s ", (int)length, p->path);

@@ -103,6 +103,8 @@ uint64_t rheo__state_items(const rheo__state *s, rheo__field_id field)
         return s->bodies;
     case RHEO_LOCATION_VIBRATOR:
         return s->vibrators;
+    case RHEO_LOCATION_OBSTACLE:
+        return s->obstacles;
     }
     return 0;
 }
@@ -317,6 +319,6 @@ bool rheo__state_finite(const rheo__state *s, rheo__fields fields, rheo__field_i
 
 const char *rheo_item_name(rheo_location location)
 {
-    static const char *const NAME[] = {"world", "particle", "spring", "body", "vibrator"};
+    static const char *const NAME[] = {"world", "particle", "spring", "body", "vibrator", "obstacle"};
     return (size_t)location < sizeof NAME / sizeof *NAME ? NAME[location] : "item";
 }

@@ -55,7 +55,10 @@
     X(plate, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                     \
     X(plate_displacement, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_WORLD, RHEO__FLAT)             \
     X(plate_velocity, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_WORLD, RHEO__FLAT)                 \
-    X(plate_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)
+    X(plate_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                    \
+    X(obstacle_position, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)           \
+    X(obstacle_rotation, double, RHEO_ELEMENT_F64, 4, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)           \
+    X(obstacle_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)
 
 typedef enum rheo__field_id {
 #define X(name, type, element, components, per, storage) RHEO__FIELD_##name,
@@ -105,6 +108,7 @@ typedef struct rheo__state {
     rheo__fields present; /* those this world has */
     uint32_t particles, capacity;
     uint32_t bodies, vibrators;
+    uint32_t obstacles; /* fixed; set before the first rheo__state_resize() */
 
     /* One pointer per field. NULL for fields that the world does not have, and for springs, rings and modes. */
 #define X(name, type, element, components, per, storage) type *name;

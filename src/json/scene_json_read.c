@@ -263,6 +263,7 @@ static const special specials[] = {
     {"model", NULL, NULL, NULL}, /* read_model() has already read it */
     {"fluid.shapes", NULL, rheo__scene_read_shape, NULL},
     {"materials", NULL, read_material, "springs.stiffness"},
+    {"obstacles", NULL, rheo__scene_read_obstacle, NULL},
     {"walls.planes", NULL, read_plane, NULL},
     {"walls.boxes", NULL, read_box, NULL},
     {"vibrators.positions", NULL, read_position, "vibrators.kind"},

@@ -21,10 +21,7 @@ static rheo__json_member member_of(const rheo_shape_member *row, rheo_fill *fill
                                .required = row->required};
 }
 
-/*
- * Puts the folder of the scene file in front of a relative path. A name without a dot is a built-in mesh, not a path.
- */
-static rheo_result complete_path(const rheo__json_reader *r, const rheo__json_place *at, char *path, size_t size)
+rheo_result rheo__scene_complete_path(const rheo__json_reader *r, const rheo__json_place *at, char *path, size_t size)
 {
     const size_t folder = (size_t)(rheo__json_file_name(r->file) - r->file), length = strlen(path);
     if (!folder || path[0] == '/' || !strchr(path, '.'))
@@ -46,7 +43,8 @@ static rheo_result finish_member(const rheo__json_reader *r, const rheo__json_pl
                                  rheo_model_name(scene->world.model));
     if (row->given)
         *(bool *)((char *)fill + row->given) = true;
-    return row->type == RHEO_SHAPE_FILE ? complete_path(r, at, (char *)fill + row->offset, row->size) : RHEO_OK;
+    return row->type == RHEO_SHAPE_FILE ? rheo__scene_complete_path(r, at, (char *)fill + row->offset, row->size)
+                                        : RHEO_OK;
 }
 
 static rheo_result read_shape_members(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
@@ -87,8 +85,7 @@ rheo_result rheo__scene_added(const rheo__json_reader *r, const rheo__json_place
     return result == RHEO_OK ? RHEO_OK : rheo__json_fail(r->error, result, "%s", error->message);
 }
 
-/* The only member of an object, and its place; NULL if it has none or several. */
-static const json_t *only_member(const json_t *value, rheo__json_place *place)
+const json_t *rheo__scene_only_member(const json_t *value, rheo__json_place *place)
 {
     const json_t *found = NULL;
     const char *key = NULL;
@@ -113,7 +110,7 @@ rheo_result rheo__scene_read_shape(const rheo__json_reader *r, const rheo__json_
     rheo_scene *scene = r->user;
     char forms[512];
     rheo__json_place inside = {at, NULL, 0};
-    const json_t *members = only_member(value, &inside);
+    const json_t *members = rheo__scene_only_member(value, &inside);
     if (!members)
         return rheo__json_refuse(r, at, "must be %s", shape_forms(forms, sizeof forms));
     rheo_fill fill;

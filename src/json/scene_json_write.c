@@ -173,6 +173,37 @@ static void write_materials(rheo__json *json, const rheo_world_def *def)
     rheo__json_end_list(json);
 }
 
+/* Writes the obstacles with all parameters that their shapes have. */
+static void write_obstacles(rheo__json *json, const rheo_world_def *def)
+{
+    const rheo_parameter *p = NULL;
+    if (!def->obstacles.count)
+        return;
+    rheo__json_begin_list(json, "obstacles");
+    for (uint32_t k = 0; k < def->obstacles.count; k++) {
+        const rheo_obstacle *o = &def->obstacles.list[k];
+        rheo__json_begin_object(json, NULL);
+        rheo__json_begin_object(json, rheo_obstacle_parameter_at(0)->choices[o->shape]);
+        if (o->shape == RHEO_OBSTACLE_MESH)
+            rheo__json_text(json, "file", o->file);
+        for (size_t i = 1; (p = rheo_obstacle_parameter_at(i)) != NULL; i++) {
+            char path[64], value[128] = "";
+            const char *key = strrchr(p->path, '.') + 1;
+            if (!rheo_obstacle_has_parameter(o->shape, p))
+                continue;
+            snprintf(path, sizeof path, "obstacles.%u.%s", (unsigned)k, key);
+            rheo_world_def_get(def, path, value, sizeof value);
+            if (p->type == RHEO_PARAMETER_CHOICE)
+                rheo__json_bool(json, key, strcmp(value, "true") == 0);
+            else
+                rheo__json_parameter(json, key, p, value);
+        }
+        rheo__json_end_object(json);
+        rheo__json_end_object(json);
+    }
+    rheo__json_end_list(json);
+}
+
 /* Every parameter, group and list item has its own line. */
 enum { SCENE_LINES = 3 };
 
@@ -194,6 +225,7 @@ char *rheo_scene_to_json(const rheo_scene *scene)
             write_group(&json, scene, i);
     }
     write_materials(&json, &scene->world);
+    write_obstacles(&json, &scene->world);
     rheo__json_end_object(&json);
     const bool failed = ferror(json.file) != 0;
     if (fclose(json.file) != 0 || failed) {
@@ -247,6 +279,11 @@ rheo_result rheo__scene_to_json_beside(const rheo_scene *scene, const char *path
             if (shape->member[m].type == RHEO_SHAPE_FILE)
                 result = count_from((char *)&fill[i] + shape->member[m].offset, shape->member[m].size, path, folder,
                                     error);
+    }
+    for (uint32_t k = 0; k < told.world.obstacles.count && result == RHEO_OK; k++) {
+        rheo_obstacle *o = &told.world.obstacles.list[k];
+        if (o->shape == RHEO_OBSTACLE_MESH)
+            result = count_from(o->file, sizeof o->file, path, folder, error);
     }
     if (result == RHEO_OK)
         *text = fill ? rheo_scene_to_json(&told) : NULL;

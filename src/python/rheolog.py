@@ -31,8 +31,8 @@ except ImportError:  # no such locks on this system
 MAGIC = b'\x89RLOG\r\n\x1a'
 ELEMENTS = {0: np.dtype('<f4'), 1: np.dtype('<f8'), 2: np.dtype('<u4'), 3: np.dtype('<u8')}
 FLAT, SPRING, RING, MODES = range(4)
-WORLD, PARTICLE, SPRINGS, BODY, VIBRATOR = range(5)
-LOCATIONS = ['world', 'particle', 'spring', 'body', 'vibrator']
+WORLD, PARTICLE, SPRINGS, BODY, VIBRATOR, OBSTACLE = range(6)
+LOCATIONS = ['world', 'particle', 'spring', 'body', 'vibrator', 'obstacle']
 REASONS = ['none', 'not-finite', 'density-not-positive', 'substeps-for-sound', 'substeps-for-viscosity',
            'substeps-for-printed-viscosity', 'substeps-for-heat', 'viscosity-out-of-range']
 SAMENESS = [None, 'differs', 'statistics', 'step', 'rounding', 'bits']
@@ -137,7 +137,7 @@ class Field:
     def __init__(self, c):
         self.name = c.text()
         element, self.components, self.location, self.storage = c.u32(4)
-        require(element in ELEMENTS and self.location <= VIBRATOR and self.storage <= MODES,
+        require(element in ELEMENTS and self.location <= OBSTACLE and self.storage <= MODES,
                 f'HEAD describes the field {self.name} in numbers that this reader does not know')
         self.dtype = ELEMENTS[element]
 
@@ -156,7 +156,7 @@ class Head:
     def __init__(self, payload):
         c = Cursor(payload)
         self.version = c.u32()
-        require(self.version == 5, f'this reads version 5 of the format, not {self.version}')
+        require(self.version in (5, 6), f'this reads versions 5 and 6 of the format, not {self.version}')
         self.real_bytes, full = c.u32(2)
         require(self.real_bytes in (4, 8) and full <= 1, 'HEAD has another number type than float and double')
         self.full = full == 1
@@ -168,6 +168,10 @@ class Head:
         self.fields = [Field(c) for _ in range(c.u32())]
         self.stages = [Stage(c) for _ in range(c.u32())]
         self.metrics = [c.text() for _ in range(c.u32())]
+        self.meshes = []  # of obstacles: (vertices, triangles)
+        for _ in range(c.u32() if self.version == 6 else 0):
+            vertices = [c.f64(3) for _ in range(c.u32())]
+            self.meshes.append((vertices, [c.u32(3) for _ in range(c.u32())]))
         require(c.done(), 'HEAD has bytes left over')
         require(all(w < len(self.fields) for s in self.stages for w in s.writes), 'a stage writes a field that is not in HEAD')
 
@@ -200,12 +204,13 @@ class Keyframe:
             else:
                 self.parameters[path] = values
         require(c.done(), 'KEYF has bytes left over')
+        self.obstacles = sum(path.startswith('obstacles.') and path.endswith('.shape') for path in self.parameters)
         if filds is not None:
             require(self.chunks == len(filds), 'KEYF claims another number of FILD chunks')
             self.values = self.read_fields(head, filds)
 
     def items(self, field):
-        return [1, self.particles, self.springs, self.bodies, self.vibrators][field.location]
+        return [1, self.particles, self.springs, self.bodies, self.vibrators, self.obstacles][field.location]
 
     def read_fields(self, head, filds):
         arrays = join(pieces(filds, head, lambda c, field, part, count: c.planes(count, head.fields[field].dtype)))
@@ -339,7 +344,7 @@ class Failure:
         self.id, self.component, self.reason = c.u64(), c.u32(), c.u32()
         self.required, self.limit = c.f64(2)
         self.metrics = c.f64(len(head.metrics))
-        require(c.done() and self.location <= VIBRATOR, 'FAIL has bytes left over')
+        require(c.done() and self.location <= OBSTACLE, 'FAIL has bytes left over')
 
 
 COUNTS = 65536  # the "field" of the counts of STAT
@@ -373,7 +378,8 @@ def state_after(head, step, before):
     for index, field in sorted(enumerate(head.fields), key=lambda e: e[1].name != 'velocity'):
         if field.storage != FLAT:
             continue
-        items = [1, particles, 0, bodies, vibrators][field.location]
+        # Obstacles are as many as before.
+        items = len(before[field.name]) if field.location == OBSTACLE else [1, particles, 0, bodies, vibrators][field.location]
         stored = arrays.get((index, 0), np.zeros(0, f'<u{field.dtype.itemsize}'))
         require(len(stored) == items * field.components, f'STAT has another number of values of {field.name}')
         if field.location == PARTICLE and field.dtype == head.real:
@@ -839,7 +845,7 @@ class Recording:
             first, last, state_hash = c.u64(3)
             self._done = (first, last, state_hash if c.u32() else None)
         else:
-            require(chunk.flags & 1, f'there is no chunk type {kind.decode()} in version 5')
+            require(chunk.flags & 1, f'there is no chunk type {kind.decode()} in this version')
 
     def _take_made(self, c):
         try:

@@ -43,6 +43,8 @@ static rheo_result compare_geometry(const rheo_world_def *a, const rheo_world_de
     rheo__bytes of_a = {0}, of_b = {0};
     rheo__geometry_put(&of_a, a);
     rheo__geometry_put(&of_b, b);
+    rheo__meshes_put(&of_a, a);
+    rheo__meshes_put(&of_b, b);
     const bool enough = !of_a.failed && !of_b.failed;
     *same = enough && of_a.size == of_b.size && memcmp(of_a.data, of_b.data, of_a.size) == 0;
     rheo__bytes_release(&of_a);
@@ -83,7 +85,7 @@ static rheo_result check_head(const rheo_recording *r, const rheo_recorder *now,
                           (unsigned long long)r->first_step, (unsigned long long)now->first_step);
     RHEO__TRY(check_parameters(&r->def, &world->def, error));
     bool same_geometry;
-    RHEO__TRY(compare_geometry(&head->def, &world->def, &same_geometry, error));
+    RHEO__TRY(compare_geometry(&r->def, &world->def, &same_geometry, error));
     if (head->features != world->features || !same_geometry)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has other walls, vibrators or features than this run");
     RHEO__TRY(rheo__head_check_world(head, world, error));

@@ -36,6 +36,9 @@ static bool is_optional(const char *path)
  */
 static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
 {
+    const rheo__parameter_row *of_obstacle = rheo__obstacle_row(parameter);
+    if (of_obstacle) /* the shape says that there is one */
+        return strcmp(strrchr(parameter->path, '.'), ".shape") == 0 || !rheo__row_has_default(def, of_obstacle);
     return (parameter->models >> def->model & 1) && parameter->type != RHEO_PARAMETER_NAME &&
            (def->model != RHEO__DEFAULT_MODEL || strcmp(parameter->path, "model") != 0) &&
            !(is_optional(parameter->path) && has_default(def, parameter));
@@ -110,6 +113,21 @@ static rheo_result declare_material(rheo_world_def *def, const char *path, rheo_
     return RHEO_OK;
 }
 
+/* Adds the obstacle of a path, unless the definition has it. Its mesh, if it has one, is in the head. */
+static rheo_result declare_obstacle(rheo_world_def *def, const char *path, rheo_error *error)
+{
+    const int number = rheo__obstacle_number(path);
+    const uint32_t count = def->obstacles.count;
+    if (number >= 0 && (uint32_t)number < count)
+        return RHEO_OK;
+    if (number < 0 || (uint32_t)number != count || count >= RHEO_MAX_OBSTACLES)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording cannot have a parameter \"%.60s\"", path);
+    rheo_obstacle *obstacle = &def->obstacles.list[def->obstacles.count++], mesh = *obstacle;
+    *obstacle = rheo_default_obstacle(RHEO_OBSTACLE_SPHERE);
+    obstacle->mesh = mesh.mesh;
+    return RHEO_OK;
+}
+
 /*
  * A curve never changes, so it must be that of the keyframe before, of which `known` points are known. The first
  * keyframe makes the array.
@@ -156,6 +174,8 @@ static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, uint
         return get_curve_point(def, known_points, (*points)++, values, error);
     if (rheo__is_of_material(path))
         RHEO__TRY(declare_material(def, path, error));
+    if (rheo__is_of_obstacle(path))
+        RHEO__TRY(declare_obstacle(def, path, error));
     const rheo_parameter *parameter = rheo_world_def_parameter_find(def, path);
     if (!parameter || n != rheo__parameter_values(def, parameter, known))
         return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
@@ -220,9 +240,62 @@ rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_e
     return RHEO_OK;
 }
 
+/* ---- Meshes of obstacles ---- */
+
+bool rheo__has_meshes(const rheo_world_def *def)
+{
+    for (uint32_t k = 0; k < def->obstacles.count; k++)
+        if (def->obstacles.list[k].mesh.triangle_count)
+            return true;
+    return false;
+}
+
+void rheo__meshes_put(rheo__bytes *bytes, const rheo_world_def *def)
+{
+    rheo__put_u32(bytes, def->obstacles.count);
+    for (uint32_t k = 0; k < def->obstacles.count; k++) {
+        const rheo_obstacle *o = &def->obstacles.list[k];
+        rheo__put_u32(bytes, o->mesh.vertex_count);
+        for (size_t i = 0; i < 3 * (size_t)o->mesh.vertex_count; i++)
+            rheo__put_f64(bytes, o->mesh.vertex[i / 3][i % 3]);
+        rheo__put_u32(bytes, o->mesh.triangle_count);
+        for (size_t i = 0; i < 3 * (size_t)o->mesh.triangle_count; i++)
+            rheo__put_u32(bytes, o->mesh.triangle[i / 3][i % 3]);
+    }
+}
+
+rheo_result rheo__meshes_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error)
+{
+    const uint32_t count = rheo__get_u32(cursor);
+    if (cursor->failed || count > RHEO_MAX_OBSTACLES)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "the recording has %u obstacles; at most %d are possible", count,
+                          RHEO_MAX_OBSTACLES);
+    for (uint32_t k = 0; k < count; k++) {
+        rheo_obstacle *o = &def->obstacles.list[k];
+        void *array;
+        RHEO__TRY(get_array(cursor, "vertices of a mesh", RHEO_MAX_OBSTACLE_VERTICES, sizeof *o->mesh.vertex,
+                            &o->mesh.vertex_count, &array, error));
+        double(*vertex)[3] = array;
+        o->mesh.vertex = array;
+        for (size_t i = 0; i < 3 * (size_t)o->mesh.vertex_count; i++)
+            vertex[i / 3][i % 3] = rheo__get_f64(cursor);
+        RHEO__TRY(get_array(cursor, "triangles of a mesh", RHEO_MAX_OBSTACLE_TRIANGLES, sizeof *o->mesh.triangle,
+                            &o->mesh.triangle_count, &array, error));
+        uint32_t(*triangle)[3] = array;
+        o->mesh.triangle = array;
+        for (size_t i = 0; i < 3 * (size_t)o->mesh.triangle_count; i++)
+            triangle[i / 3][i % 3] = rheo__get_u32(cursor);
+    }
+    return RHEO_OK;
+}
+
 void rheo__geometry_release(rheo_world_def *def)
 {
     free((void *)(uintptr_t)def->walls.plane);
     free((void *)(uintptr_t)def->vibrators.position);
     free((void *)(uintptr_t)def->history.curve);
+    for (uint32_t k = 0; k < RHEO_MAX_OBSTACLES; k++) {
+        free((void *)(uintptr_t)def->obstacles.list[k].mesh.vertex);
+        free((void *)(uintptr_t)def->obstacles.list[k].mesh.triangle);
+    }
 }

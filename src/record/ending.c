@@ -44,7 +44,7 @@ bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *f, uint32_t *inputs, 
     f->limit = rheo__get_f64(cursor);
     for (uint32_t i = 0; i < metric_count; i++)
         metrics[i] = rheo__get_f64(cursor);
-    return !cursor->failed && rheo__cursor_left(cursor) == 0 && location <= RHEO_LOCATION_VIBRATOR &&
+    return !cursor->failed && rheo__cursor_left(cursor) == 0 && location <= RHEO_LOCATION_OBSTACLE &&
            f->reason != RHEO_FAILURE_NONE;
 }
 

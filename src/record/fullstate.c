@@ -337,6 +337,7 @@ rheo_result rheo__full_read(rheo__pieces_reader *pieces, rheo__fields present, u
         const uint64_t items = field->location == RHEO_LOCATION_WORLD      ? 1
                                : field->location == RHEO_LOCATION_PARTICLE ? counts[0]
                                : field->location == RHEO_LOCATION_BODY     ? counts[1]
+                               : field->location == RHEO_LOCATION_OBSTACLE ? before->items[f]
                                                                            : counts[2];
         RHEO__TRY(rheo__values_resize(now, f, items, error));
         RHEO__TRY(rheo__pieces_get(pieces, rheo__field_index(present, f), 0, 0, now->data[f],

@@ -48,7 +48,8 @@ rheo_result rheo__head_put(rheo__bytes *bytes, const rheo_world *world, const ch
     if (strlen(scene) > UINT16_MAX)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the scene's name has %zu bytes; at most %d are possible",
                           strlen(scene), UINT16_MAX);
-    rheo__put_u32(bytes, RHEO__FORMAT_VERSION);
+    const bool meshes = rheo__has_meshes(&world->def);
+    rheo__put_u32(bytes, meshes ? RHEO__FORMAT_VERSION : RHEO__FORMAT_WITHOUT_MESHES);
     rheo__put_u32(bytes, sizeof(rheo_real));
     rheo__put_u32(bytes, full);
     rheo__put_u64(bytes, keyframe_spacing);
@@ -61,6 +62,8 @@ rheo_result rheo__head_put(rheo__bytes *bytes, const rheo_world *world, const ch
     rheo__put_u32(bytes, metrics);
     for (uint32_t i = 0; i < metrics; i++)
         rheo__put_text(bytes, rheo_world_metric_name(world, i));
+    if (meshes)
+        rheo__meshes_put(bytes, &world->def);
     return RHEO_OK;
 }
 
@@ -114,7 +117,7 @@ static rheo_result get_head(rheo__cursor *cursor, rheo__head *head, rheo_error *
         return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
                           "written by a newer rheolog: format %u; this version reads %d; update rheolog",
                           head->format, RHEO__FORMAT_VERSION);
-    if (head->format && head->format < RHEO__FORMAT_VERSION)
+    if (head->format && head->format < RHEO__FORMAT_WITHOUT_MESHES)
         return rheo__fail(
             error, RHEO_ERROR_UNSUPPORTED,
             "written by an older rheolog: format %u; this version reads %d; record it again and bless it",
@@ -139,6 +142,8 @@ static rheo_result get_head(rheo__cursor *cursor, rheo__head *head, rheo_error *
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
     for (uint32_t i = 0; i < head->metric_count && !cursor->failed; i++)
         rheo__get_text(cursor, head->metrics[i].text, sizeof head->metrics[i].text);
+    if (!cursor->failed && head->format > RHEO__FORMAT_WITHOUT_MESHES)
+        RHEO__TRY(rheo__meshes_get(cursor, &head->def, error));
     if (cursor->failed || rheo__cursor_left(cursor))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the head of the recording cannot be read");
     return RHEO_OK;

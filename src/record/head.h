@@ -5,7 +5,8 @@
 #include "record/bytes.h"
 #include "world/measure.h"
 
-enum { RHEO__FORMAT_VERSION = 5 };
+/* A file is of the first version that has all that it holds. Version 6 has meshes of obstacles. */
+enum { RHEO__FORMAT_VERSION = 6, RHEO__FORMAT_WITHOUT_MESHES = 5 };
 
 /* Write a definition (record/definition.c): its parameters; its walls and vibrators, which never change. */
 void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def);
@@ -18,6 +19,10 @@ rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo
 /* Makes the arrays of walls and vibrators, which are to be released after a failure too. */
 rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
 void rheo__geometry_release(rheo_world_def *def);
+/* The same for meshes of obstacles, which end the head of a file that has some. */
+bool rheo__has_meshes(const rheo_world_def *def);
+void rheo__meshes_put(rheo__bytes *bytes, const rheo_world_def *def);
+rheo_result rheo__meshes_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
 
 typedef struct rheo__head {
     uint32_t format, real_bytes;

@@ -152,7 +152,7 @@ rheo_result rheo__keyframe_read(rheo_recording *r, const rheo__keyframe *k, uint
     return RHEO_OK;
 }
 
-static uint64_t items_of(const rheo__keyframe *k, rheo_location per)
+static uint64_t items_of(const rheo__keyframe *k, const rheo__state *s, rheo_location per)
 {
     switch (per) {
     case RHEO_LOCATION_WORLD:
@@ -165,6 +165,8 @@ static uint64_t items_of(const rheo__keyframe *k, rheo_location per)
         return k->bodies;
     case RHEO_LOCATION_VIBRATOR:
         return k->vibrators;
+    case RHEO_LOCATION_OBSTACLE:
+        return s->obstacles;
     }
     return 0;
 }
@@ -197,7 +199,7 @@ static rheo_result read_flat(rheo__pieces_reader *pieces, const rheo__keyframe *
         if (!rheo__state_has(s, f) || rheo__in_rows(f))
             continue;
         size_t element = rheo__element_size(field->element);
-        uint64_t items = items_of(k, field->location);
+        uint64_t items = items_of(k, s, field->location);
         if (items > k->raw / (element * field->components))
             return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu is too short for its %s",
                               (unsigned long long)k->step, field->name);

@@ -37,6 +37,7 @@ static const struct {
     [RHEO_SOURCE_DISPLACEMENT] = {"displacement", ""},
     [RHEO_SOURCE_VIBRATOR] = {"vibrator", "vibrator"},
     [RHEO_SOURCE_MODE] = {"mode", "mode"},
+    [RHEO_SOURCE_OBSTACLE] = {"obstacle", "obstacle"},
 };
 
 const char *rheo_source_name(rheo_source source)

@@ -142,6 +142,7 @@ static const char *field_of(rheo_source source)
     case RHEO_SOURCE_PRESSURE:
     case RHEO_SOURCE_SPRING:
     case RHEO_SOURCE_WALL:
+    case RHEO_SOURCE_OBSTACLE:
     case RHEO_SOURCE_PARTING:
     case RHEO_SOURCE_PERIOD:
     case RHEO_SOURCE_SHARE:

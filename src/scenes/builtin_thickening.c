@@ -369,6 +369,49 @@ static void plates(rheo_scene *scene)
     def->plates.velocity[0] = 2;
 }
 
+/* A paddle turns in a tray of fluid. The fluid begins on both sides of it. */
+static void stirrer(rheo_scene *scene)
+{
+    rheo_world_def *def = &scene->world;
+    pool(scene, 24, 6, 24);
+    rheo_fill *fill = scene->owned.fill;
+    fill[1] = fill[0];
+    fill[0].max[2] = 22;
+    fill[1].min[2] = 26;
+    scene->fill_count = 2;
+    rheo_obstacle paddle = rheo_default_obstacle(RHEO_OBSTACLE_BOX);
+    paddle.position[0] = paddle.position[2] = 24;
+    paddle.position[1] = 8;
+    paddle.size[0] = 34;
+    paddle.size[1] = 11;
+    paddle.size[2] = 2;
+    paddle.spin[1] = 1;
+    def->obstacles.list[def->obstacles.count++] = paddle;
+    scene->steps = 300;
+}
+
+/* A drum about z, a quarter full. With this sticking it carries the fluid over the top; with much less the fluid slips. */
+static void drum(rheo_scene *scene)
+{
+    rheo_fill *fill = &scene->owned.fill[scene->fill_count++];
+    const double low[3] = {-20, -20, -12}, high[3] = {20, -4, 12};
+    fill->kind = RHEO_FILL_BLOCK;
+    memcpy(fill->min, low, sizeof low);
+    memcpy(fill->max, high, sizeof high);
+    fill->jitter = 0.1;
+    scene->settle.time = 9;
+    rheo_obstacle drum = rheo_default_obstacle(RHEO_OBSTACLE_CYLINDER);
+    drum.inside = RHEO_OBSTACLE_INSIDE;
+    drum.radius = 30;
+    drum.length = 24;
+    drum.axis[1] = 0;
+    drum.axis[2] = 1;
+    drum.spin[2] = 0.4;
+    scene->world.walls.sticking = 10;
+    scene->world.obstacles.list[scene->world.obstacles.count++] = drum;
+    scene->steps = 300;
+}
+
 static const rheo__builtin SCENE[] = {
     {"bowling-ball", "a bowling ball rolls over a pool of cornstarch and water, stops and sinks", bowling_ball},
     {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", bowling_ball_small},
@@ -387,6 +430,8 @@ static const rheo__builtin SCENE[] = {
     {"drop-pair", "a viscoelastic drop and one of cornstarch fall on a floor: only the latter bounces", drop_pair},
     {"incline", "the drop falls on a slope and flows down it", incline},
     {"plates", "fluid between two plates, the upper one moves", plates},
+    {"stirrer", "a paddle turns in a tray of cornstarch and water", stirrer},
+    {"drum", "a drum turns and carries its fluid up the wall until it falls", drum},
 };
 
 const rheo__builtins rheo__builtin_thickening = {RHEO_MODEL_THICKENING, SCENE, sizeof SCENE / sizeof *SCENE};

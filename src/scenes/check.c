@@ -148,6 +148,9 @@ static void check_floor(const inspection *c)
     for (uint32_t w = 0; w < def->walls.count; w++)
         if (dot(def->walls.plane[w].normal, g) < 0)
             return;
+    for (uint32_t k = 0; k < def->obstacles.count; k++)
+        if (def->obstacles.list[k].inside)
+            return;
     rheo__warn(
         c->warnings, rheo__warning_of(RHEO_WARNING_NO_FLOOR),
         "everything falls for ever: no wall faces gravity [%g, %g, %g]; add a wall below the fluid whose normal "

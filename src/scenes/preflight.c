@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "core/strict.h"
-#include "scenes/making.h"
+#include "scenes/obstacles.h"
 
 static double larger(double a, double b)
 {
@@ -59,9 +59,18 @@ rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_preflight *prefli
     rheo_world_def def;
     rheo__filling filling = {0};
     const double no = NAN;
-    *preflight = (rheo_preflight){no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, NULL};
+    *preflight =
+        (rheo_preflight){no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, NULL, no, no};
     RHEO__TRY(rheo__scene_check_parameters(scene, &def, error));
-    const rheo_result result = rheo__filling_open(&filling, scene, error);
+    rheo__scene_obstacles obstacles;
+    rheo_result result = rheo__scene_obstacles_open(&obstacles, &scene->world.allocator, &def, error);
+    if (result == RHEO_OK && def.obstacles.count) {
+        preflight->obstacle_speed = rheo__scene_obstacles_speed(&obstacles, &def);
+        preflight->obstacle_way = preflight->obstacle_speed * def.step / rheo__def_support(&def);
+    }
+    rheo__scene_obstacles_close(&obstacles);
+    if (result == RHEO_OK)
+        result = rheo__filling_open(&filling, scene, error);
     if (result == RHEO_OK) {
         def.fluid.spacing = filling.spacing;
         const rheo__model_type *type = rheo__model(def.model);

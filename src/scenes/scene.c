@@ -7,7 +7,7 @@
 
 #include "core/strict.h"
 #include "core/text.h"
-#include "scenes/making.h"
+#include "scenes/obstacles.h"
 #include "scenes/parameters.h"
 #include "world/model_list.h"
 
@@ -69,7 +69,10 @@ rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
     uint64_t count;
     rheo_world_def def;
     RHEO__TRY(rheo__scene_check_parameters(scene, &def, error));
-    return rheo_scene_particle_count(scene, &count, error);
+    rheo__scene_obstacles obstacles;
+    const rheo_result result = rheo__scene_obstacles_open(&obstacles, &scene->world.allocator, &def, error);
+    rheo__scene_obstacles_close(&obstacles);
+    return result == RHEO_OK ? rheo_scene_particle_count(scene, &count, error) : result;
 }
 
 /* ---- The world ---- */
@@ -80,6 +83,7 @@ typedef struct making {
     rheo_real *position, *velocity, *density, *temperature, *rest_length;
     uint32_t *ends, *material;
     rheo_world *settled;
+    rheo__scene_obstacles obstacles;
 } making;
 
 /* Creates the particles. Fields that the model or the scene does not have stay NULL. */
@@ -115,6 +119,7 @@ static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
 static rheo_result make_particles(const rheo_scene *scene, rheo_world_def *def, making *m, rheo__warnings *warnings,
                                   rheo_error *error)
 {
+    RHEO__TRY(rheo__scene_obstacles_open(&m->obstacles, &m->allocator, def, error));
     RHEO__TRY(rheo__filling_open(&m->filling, scene, error));
     def->fluid.spacing = m->filling.spacing;
     if (scene->particles) /* the spacing is another */
@@ -122,6 +127,8 @@ static rheo_result make_particles(const rheo_scene *scene, rheo_world_def *def, 
     RHEO__TRY(fill(m, def, error));
     rheo_world_def placed = *def;
     RHEO__TRY(rheo__place_ball(scene, &m->allocator, &placed, error));
+    if (def->obstacles.count)
+        rheo__check_obstacles(&m->obstacles, &m->filling, def, warnings);
     return rheo__check_filled(&m->filling, &placed, warnings, error);
 }
 
@@ -167,6 +174,7 @@ static rheo_result make(const rheo_scene *scene, rheo_world_def def, making *m, 
 static void release(making *m)
 {
     rheo_world_destroy(m->settled);
+    rheo__scene_obstacles_close(&m->obstacles);
     rheo__filling_close(&m->filling);
     rheo__release(&m->allocator, m->position);
     rheo__release(&m->allocator, m->velocity);

@@ -1,5 +1,5 @@
 /*
- * Settling before step 0, without ball, vibrators and history, and with plates at rest. Its steps are examined like those of a run, because the
+ * Settling before step 0, without ball, vibrators and history, and with plates and obstacles at rest. Its steps are examined like those of a run, because the
  * state that it leaves is the first that a recording has: what went wrong before shows there no more.
  */
 #include <stdio.h>
@@ -122,6 +122,11 @@ rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rhe
     still.plates.control = RHEO_PLATES_VELOCITY; /* the plates rest */
     still.plates.velocity[0] = still.plates.velocity[1] = still.plates.velocity[2] = 0;
     still.plates.amplitude = still.plates.frequency = 0;
+    for (uint32_t k = 0; k < still.obstacles.count; k++) {
+        rheo_obstacle *o = &still.obstacles.list[k];
+        for (int axis = 0; axis < 3; axis++)
+            o->velocity[axis] = o->spin[axis] = o->amplitude[axis] = 0;
+    }
     still.history.stiffness = 0;
     still.springs.yield_ratio = 0; /* springs at rest carry no stress */
     for (uint32_t k = 0; k < still.materials.count; k++)

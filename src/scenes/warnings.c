@@ -19,8 +19,13 @@ const char *rheo_warning_name(rheo_warning_kind kind)
 
 rheo_warning rheo__warning_of(rheo_warning_kind kind)
 {
-    return (rheo_warning){
-        .kind = kind, .shape = -1, .other_shape = -1, .wall = -1, .value = (double)NAN, .limit = (double)NAN};
+    return (rheo_warning){.kind = kind,
+                          .shape = -1,
+                          .other_shape = -1,
+                          .wall = -1,
+                          .obstacle = -1,
+                          .value = (double)NAN,
+                          .limit = (double)NAN};
 }
 
 void rheo__warn(rheo__warnings *w, rheo_warning warning, const char *format, ...)

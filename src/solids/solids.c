@@ -30,9 +30,31 @@ void rheo__solids_vibrators_moved(rheo__solids *solids, const rheo__state *s)
     solids->max_bump = (rheo_real)solids->def->vibrators.amplitude * (rheo_real)max_overlap;
 }
 
+rheo_result rheo__solids_make_obstacles(rheo__solids *solids, const rheo_world_def *def, rheo_error *error)
+{
+    if (!def->obstacles.count)
+        return RHEO_OK;
+    solids->obstacle = rheo__allocate(&solids->allocator, def->obstacles.count, sizeof *solids->obstacle);
+    if (!solids->obstacle)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %u obstacles", def->obstacles.count);
+    for (uint32_t i = 0; i < def->obstacles.count; i++, solids->obstacles++) {
+        rheo_error why;
+        const rheo_result result =
+            rheo__rigid_make(&solids->obstacle[i], &def->obstacles.list[i], &solids->allocator, &why);
+        if (result == RHEO_ERROR_MEMORY)
+            return rheo__fail(error, result, "%s", why.message);
+        if (result != RHEO_OK)
+            return rheo__fail(error, result, "the mesh of obstacle %u %s", i, why.message);
+    }
+    return RHEO_OK;
+}
+
 void rheo__solids_release(rheo__solids *solids)
 {
     rheo__release(&solids->allocator, solids->touch);
+    for (uint32_t i = 0; i < solids->obstacles; i++)
+        rheo__rigid_release(&solids->obstacle[i], &solids->allocator);
+    rheo__release(&solids->allocator, solids->obstacle);
 }
 
 RHEO__DEFINE_SIMD_STAGE(walls)

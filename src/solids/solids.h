@@ -1,4 +1,4 @@
-/* Solids: plane walls, a rigid ball, vibrators in the floor. Declarations shared by their stages. */
+/* Solids: plane walls, obstacles, a rigid ball, vibrators in the floor. Declarations shared by their stages. */
 #ifndef RHEO__SOLIDS_SOLIDS_H
 #define RHEO__SOLIDS_SOLIDS_H
 
@@ -6,6 +6,7 @@
 #include "core/real.h"
 #include "core/stage.h"
 #include "space/planes.h"
+#include "space/rigid_shapes.h"
 
 /* A particle that touches the ball. */
 typedef struct rheo__touch {
@@ -22,6 +23,9 @@ typedef struct rheo__solids {
     const rheo_world_def *def;  /* definition in force, owned by the world */
     const rheo__planes *planes; /* walls, owned by the world */
     uint32_t vibrating_wall;    /* the first wall that is a level floor, if vibrators raise it; UINT32_MAX: none */
+
+    rheo__rigid *obstacle; /* shapes of the obstacles, made once */
+    uint32_t obstacles;
 
     /* Set by the model. */
     const rheo_real *substep;       /* duration of a substep */
@@ -46,12 +50,17 @@ typedef struct rheo__solids {
 void rheo__solids_configure(rheo__solids *solids, const rheo_world_def *def, const rheo__planes *planes);
 /* Finds max_bump. Must be called when vibrators have moved, since overlapping ones add up. */
 void rheo__solids_vibrators_moved(rheo__solids *solids, const rheo__state *s);
+/* Makes the shapes of obstacles. RHEO_ERROR_MEMORY; RHEO_ERROR_ARGUMENT: a bad mesh. */
+rheo_result rheo__solids_make_obstacles(rheo__solids *solids, const rheo_world_def *def, rheo_error *error);
+/* Largest speed of a point of any obstacle. */
+double rheo__obstacles_speed(const rheo__solids *solids, const rheo_world_def *def);
 void rheo__solids_release(rheo__solids *solids);
 /* Draws the first frequencies from the state's random numbers. */
 void rheo__vibrators_begin(const rheo__solids *solids, rheo__state *s);
 
 /* The stages. */
-rheo__stage_function rheo__stage_vibrators, rheo__stage_ball_push, rheo__stage_ball_motion, rheo__stage_ball;
+rheo__stage_function rheo__stage_vibrators, rheo__stage_ball_push, rheo__stage_ball_motion, rheo__stage_ball,
+    rheo__stage_obstacles;
 RHEO__DECLARE_SIMD_STAGE(walls)
 
 static inline rheo_real rheo__dot(const rheo_real a[3], const rheo_real b[3])

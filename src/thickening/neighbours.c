@@ -38,8 +38,9 @@ static void mean_of(const rheo_real *values, const rheo_real *less, uint32_t par
         mean[axis] = (rheo_real)(count ? sum[axis] / count : 0);
 }
 
-static rheo__motion find_motion(const rheo__state *s, const rheo_world_def *def)
+static rheo__motion find_motion(const rheo__state *s, const rheo__thickening *t)
 {
+    const rheo_world_def *def = t->def;
     const double *g = def->gravity, h = def->fluid.support;
     rheo__motion m = {.fall = (rheo_real)(def->step * __builtin_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])),
                       .step = (rheo_real)(STRAIGHT * def->step),
@@ -47,6 +48,8 @@ static rheo__motion find_motion(const rheo__state *s, const rheo_world_def *def)
                       .near2 = -1};
     mean_of(s->velocity, NULL, s->particles, m.velocity);
     mean_of(s->position, s->list_position, s->particles, m.displacement);
+    if (s->obstacles) /* any particle may be pushed by one */
+        m.fall += (rheo_real)t->obstacle_speed;
     if (s->bodies) {
         const rheo_real *v = s->ball_velocity;
         m.ball2 = rheo__length2(v[0] - m.velocity[0], v[1] - m.velocity[1], v[2] - m.velocity[2]);
@@ -179,7 +182,7 @@ static void wrap(rheo__state *s, const rheo__period *period)
 rheo_result rheo__stage_neighbours(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
-    const rheo__motion m = find_motion(s, t->def);
+    const rheo__motion m = find_motion(s, t);
     static rheo__list_lasts_function *const list_lasts[] = RHEO__ALL_VARIANTS(list_lasts);
     const bool lasts = list_lasts[rheo__simd_in_use()](s, &m) && !have_drifted(t, &m);
     if (lasts) {

@@ -47,13 +47,14 @@ uint64_t rheo__thickening_least_substeps(const rheo_world_def *def)
     return def->substeps ? def->substeps : rheo__substeps_for(def, 0, 0);
 }
 
-/* The fastest particle, or the ball: it drives the fluid before it. */
-static double largest_speed2(const rheo__state *s)
+/* The fastest particle, or the ball or an obstacle: they drive the fluid before them. */
+static double largest_speed2(const rheo__state *s, double obstacle_speed)
 {
     static rheo__largest_length2_function *const variants[] = RHEO__ALL_VARIANTS(largest_length2);
     const rheo_real speed2 = variants[rheo__simd_in_use()](s->velocity, s->particles);
     const rheo_real *v = s->ball_velocity;
-    return (double)(s->bodies ? rheo__max(speed2, rheo__length2(v[0], v[1], v[2])) : speed2);
+    const double with_ball = (double)(s->bodies ? rheo__max(speed2, rheo__length2(v[0], v[1], v[2])) : speed2);
+    return largest(with_ball, obstacle_speed * obstacle_speed);
 }
 
 /* Softens the springs of particles whose sum of kappa is too large. Returns their number. */
@@ -79,7 +80,8 @@ rheo_result rheo__stage_thickening_substeps(rheo__state *s, void *context)
     rheo__thickening *t = context;
     const rheo_world_def *def = t->def;
     const uint64_t count =
-        def->substeps ? def->substeps : rheo__substeps_for(def, (double)t->max_stiffness_sum, largest_speed2(s));
+        def->substeps ? def->substeps
+                      : rheo__substeps_for(def, (double)t->max_stiffness_sum, largest_speed2(s, t->obstacle_speed));
     *s->substeps = count;
     t->substep = (rheo_real)(def->step / (double)count);
     t->diagnostics.max_spring_displacement = t->diagnostics.max_pressure_displacement = (rheo__moved){0, -1};

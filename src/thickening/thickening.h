@@ -133,8 +133,9 @@ typedef struct rheo__thickening {
     rheo__modes modes;
     rheo__samples samples;
 
-    rheo_real ball_mass; /* in masses of particles */
-    rheo_real substep;   /* duration of a substep; in a scheme without them: of the step */
+    rheo_real ball_mass;   /* in masses of particles */
+    double obstacle_speed; /* largest speed of a point of an obstacle; 0 without */
+    rheo_real substep;     /* duration of a substep; in a scheme without them: of the step */
 
     /* Derived in a step; the memory is kept. Arrays are in rank order unless it says by id. */
     rheo__neighbours list;

@@ -177,7 +177,7 @@ void rheo__draw_sphere(rheo__canvas *canvas, const rheo__ball *ball)
  * an edge compute that plane from the same numbers, so there is no gap between them.
  */
 void rheo__draw_triangle(rheo__canvas *canvas, const double corner[3][3], const double normal[3][3],
-                         const double shade[3], bool has_shade)
+                         const double shade[3], uint16_t paint)
 {
     double plane[3][3], low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
     for (int k = 0; k < 3; k++) {
@@ -215,12 +215,12 @@ void rheo__draw_triangle(rheo__canvas *canvas, const double corner[3][3], const 
             for (int k = 0; k < 3; k++) {
                 for (int a = 0; a < 3; a++)
                     mean[a] += part[k] * normal[k][a];
-                value += part[k] * shade[k];
+                value += shade ? part[k] * shade[k] : 0;
             }
             const double length = rheo__view_length(mean);
             for (int a = 0; a < 3; a++)
                 mean[a] = length > 0 ? mean[a] / length : a == 2 ? -1 : 0;
-            set_sample(&sample[column], depth, mean, has_shade ? rheo__paint_of(value / sum) : RHEO__PAINT_PLAIN);
+            set_sample(&sample[column], depth, mean, shade ? rheo__paint_of(value / sum) : paint);
         }
     }
 }

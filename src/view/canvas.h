@@ -22,7 +22,8 @@ typedef enum rheo__paint {
     RHEO__PAINT_FLOOR,
     RHEO__PAINT_LINE, /* lines of equal height on a tilted floor */
     RHEO__PAINT_VIBRATOR,
-    RHEO__PAINT_NONE, /* the background */
+    RHEO__PAINT_SOLID, /* obstacles */
+    RHEO__PAINT_NONE,  /* the background */
     RHEO__PAINTS
 } rheo__paint;
 
@@ -77,9 +78,9 @@ typedef struct rheo__ball {
 } rheo__ball;
 
 void rheo__draw_sphere(rheo__canvas *canvas, const rheo__ball *ball);
-/* A triangle that is seen from the side on which its corners are anticlockwise. */
+/* A triangle that is seen from the side on which its corners are anticlockwise. shade: NULL: it has the paint. */
 void rheo__draw_triangle(rheo__canvas *canvas, const double corner[3][3], const double normal[3][3],
-                         const double shade[3], bool has_shade);
+                         const double shade[3], uint16_t paint);
 /* The plane normal * x = offset in the frame of the world. */
 void rheo__draw_floor(rheo__canvas *canvas, const double normal[3], double offset);
 /* A value between 0 and 1 as a paint of the scale. */

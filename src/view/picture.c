@@ -4,6 +4,7 @@
 
 #include "core/environment.h"
 #include "view/canvas.h"
+#include "view/facets.h"
 #include "view/output.h"
 #include "view/picture.h"
 
@@ -88,8 +89,8 @@ static rheo_result draw_surface(picture *p, rheo_error *error)
             if (p->values.value)
                 value[k] = place_of(p, (double)s.value[v]);
         }
-        rheo__draw_triangle(&p->canvas, (const double(*)[3])corner, (const double(*)[3])normal, value,
-                            p->values.value != NULL);
+        rheo__draw_triangle(&p->canvas, (const double(*)[3])corner, (const double(*)[3])normal,
+                            p->values.value ? value : NULL, RHEO__PAINT_PLAIN);
         rheo__shade_triangle(&p->canvas, (const double(*)[3])corner);
     }
     rheo_surface_release(&s);
@@ -149,6 +150,37 @@ static void draw_vibrators(picture *p, const rheo_extent *extent)
     }
 }
 
+static void draw_facet(void *user, const rheo__facet *facet)
+{
+    picture *p = user;
+    double corner[3][3], normal[3][3];
+    for (int k = 0; k < 3; k++) {
+        rheo__canvas_point(&p->canvas, facet->corner[k], corner[k]);
+        rheo__canvas_direction(&p->canvas, facet->normal[k], normal[k]);
+    }
+    rheo__draw_triangle(&p->canvas, (const double(*)[3])corner, (const double(*)[3])normal, NULL, RHEO__PAINT_SOLID);
+}
+
+/* An obstacle casts a shadow, unless the fluid is inside, where its far side is seen. */
+static void shade_facet(void *user, const rheo__facet *facet)
+{
+    picture *p = user;
+    double corner[3][3];
+    for (int k = 0; k < 3; k++)
+        rheo__canvas_point(&p->canvas, facet->corner[k], corner[k]);
+    rheo__shade_triangle(&p->canvas, (const double(*)[3])corner);
+}
+
+static void draw_obstacles(picture *p)
+{
+    const rheo_world_def *def = rheo_world_definition(p->world);
+    for (uint32_t i = 0; i < rheo_world_obstacle_count(p->world); i++) {
+        rheo__obstacle_facets(p->world, i, draw_facet, p);
+        if (!def->obstacles.list[i].inside)
+            rheo__obstacle_facets(p->world, i, shade_facet, p);
+    }
+}
+
 static void draw_floors(picture *p)
 {
     const rheo_world_def *def = rheo_world_definition(p->world);
@@ -165,6 +197,7 @@ static void set_colours(rheo__canvas *canvas)
 {
     static const double OTHERS[RHEO__PAINTS - RHEO__SHADES][3] = {{.90, .85, .72}, {.10, .20, .42}, {.93, .90, .82},
                                                                   {.86, .87, .89}, {.68, .70, .73}, {.55, .22, .12},
+                                                                  {.58, .62, .68},
                                                                   {0, 0, 0}};
     for (int i = 0; i < RHEO__PAINTS; i++) {
         double colour[3];
@@ -199,6 +232,7 @@ static rheo_result draw(picture *p, unsigned char *rgb, rheo_error *error)
     RHEO__TRY(rheo__canvas_make(&p->canvas, o->width, o->height, &extent, o->camera, has_scale, error));
     set_colours(&p->canvas);
     draw_balls(p);
+    draw_obstacles(p);
     draw_floors(p);
     draw_vibrators(p, &extent);
     rheo_result result = o->surface ? draw_surface(p, error) : draw_particles(p, error);

@@ -6,6 +6,7 @@
  * camera mirrors them.
  */
 #include "view/camera.h"
+#include "view/facets.h"
 #include "view/output.h"
 
 /* Half the height of the picture at distance 1, and half its width for an aspect ratio of 4:3. */
@@ -135,6 +136,31 @@ static void put_balls(rheo__output *out, const rheo_world *world)
     }
 }
 
+static void put_facet(void *user, const rheo__facet *facet)
+{
+    rheo__output *out = user;
+    rheo__output_text(out, "  smooth_triangle { ");
+    for (int k = 0; k < 3; k++) {
+        put_vector(out, facet->corner[k]);
+        rheo__output_text(out, ", ");
+        put_vector(out, facet->normal[k]);
+        rheo__output_text(out, k < 2 ? ", " : " }\n");
+    }
+}
+
+/* Obstacles with the fluid inside would hide it, so they are like glass. */
+static void put_obstacles(rheo__output *out, const rheo_world *world)
+{
+    const rheo_world_def *def = rheo_world_definition(world);
+    for (uint32_t i = 0; i < rheo_world_obstacle_count(world); i++) {
+        rheo__output_text(out, "mesh {\n");
+        rheo__obstacle_facets(world, i, put_facet, out);
+        rheo__output_text(out, def->obstacles.list[i].inside ? "  pigment { color srgbt <0.58, 0.62, 0.68, 0.9> }\n"
+                                                             : "  pigment { color srgb <0.58, 0.62, 0.68> }\n");
+        rheo__output_text(out, "  finish { ambient 0.12 diffuse 0.7 }\n}\n");
+    }
+}
+
 /* Number of colours of values. POV-Ray interpolates between vertices. */
 enum { SHADES = 64 };
 
@@ -203,5 +229,6 @@ void rheo__write_pov(rheo__output *out, const rheo_world *world, const rheo_surf
     put_stage(out, &s);
     put_floors(out, rheo_world_definition(world), s.size);
     put_balls(out, world);
+    put_obstacles(out, world);
     put_surface(out, surface, colours);
 }

@@ -1,15 +1,17 @@
 /*
  * Writes what is no fluid as VTP: balls as spheres whose octants have two colours, so that their spin can be seen; walls
- * as squares as large as the fluid; vibrators as points. Cells have a kind (0 wall, 1 ball, 2 vibrator), an index, a panel
- * (of a ball: 0 or 1), and the velocity and the spin of the ball.
+ * as squares as large as the fluid; vibrators as points; obstacles as triangles. Cells have a kind (0 wall, 1 ball,
+ * 2 vibrator, 3 obstacle), an index, a panel (of a ball: 0 or 1), and the velocity and the spin of the ball or obstacle.
  */
+#include "view/facets.h"
 #include "view/vectors.h"
 #include "view/vtp.h"
 
 typedef struct solids {
     const rheo_world *world;
     rheo__vtp vtp;
-    uint32_t walls, balls, vibrators;
+    uint32_t walls, balls, vibrators, obstacles;
+    uint32_t facets;                /* triangles of all obstacles */
     double centre[3], half, bottom; /* middle of the extent, half its diagonal, its lowest point */
 } solids;
 
@@ -101,6 +103,12 @@ static void put_ball(const solids *s, const rheo_body *ball)
             }
 }
 
+static void put_facet(void *user, const rheo__facet *facet)
+{
+    for (int k = 0; k < 3; k++)
+        put_point(user, facet->corner[k]);
+}
+
 static void put_points(const solids *s, uint32_t points)
 {
     rheo__vtp_begin_array(&s->vtp, (uint64_t)points * 3 * sizeof(float));
@@ -116,6 +124,8 @@ static void put_points(const solids *s, uint32_t points)
         rheo_world_body(s->world, i, &ball);
         put_ball(s, &ball);
     }
+    for (uint32_t i = 0; i < s->obstacles; i++)
+        rheo__obstacle_facets(s->world, i, put_facet, (void *)(uintptr_t)s);
 }
 
 /* ---- Cells: vertices of vibrators, squares of walls, triangles of balls ---- */
@@ -145,16 +155,19 @@ static void put_polygons(const solids *s)
 {
     const uint64_t first_wall = s->vibrators, first_ball = first_wall + CORNERS * (uint64_t)s->walls;
     const uint64_t wall_ends = CORNERS * (uint64_t)s->walls, triangles = BALL_TRIANGLES * (uint64_t)s->balls;
-    rheo__vtp_begin_array(&s->vtp, (wall_ends + 3 * triangles) * 8);
+    const uint64_t first_facet = first_ball + BALL_POINTS * (uint64_t)s->balls, facets = s->facets;
+    rheo__vtp_begin_array(&s->vtp, (wall_ends + 3 * triangles + 3 * facets) * 8);
     for (uint64_t i = 0; i < wall_ends; i++)
         rheo__output_little(s->vtp.out, first_wall + i, 8);
     for (uint64_t ball = 0; ball < s->balls; ball++)
         for (int octant = 0; octant < OCTANTS; octant++)
             put_octant(s, octant, first_ball + ball * BALL_POINTS + (uint64_t)octant * FACE_POINTS);
-    rheo__vtp_begin_array(&s->vtp, (s->walls + triangles) * 8);
+    for (uint64_t i = 0; i < 3 * facets; i++)
+        rheo__output_little(s->vtp.out, first_facet + i, 8);
+    rheo__vtp_begin_array(&s->vtp, (s->walls + triangles + facets) * 8);
     for (uint64_t i = 1; i <= s->walls; i++)
         rheo__output_little(s->vtp.out, CORNERS * i, 8);
-    for (uint64_t i = 1; i <= triangles; i++)
+    for (uint64_t i = 1; i <= triangles + facets; i++)
         rheo__output_little(s->vtp.out, wall_ends + 3 * i, 8);
 }
 
@@ -163,7 +176,7 @@ typedef enum column { KIND, INDEX, PANEL, COLUMNS } column;
 /* Vertices come before polygons, whatever the kind. */
 static void put_column(const solids *s, column c, uint32_t cells)
 {
-    enum { WALL, BALL, VIBRATOR };
+    enum { WALL, BALL, VIBRATOR, OBSTACLE };
     rheo__vtp_begin_array(&s->vtp, (uint64_t)cells * 4);
     for (uint32_t i = 0; i < s->vibrators; i++)
         rheo__output_little(s->vtp.out, c == KIND ? VIBRATOR : c == INDEX ? i : 0, 4);
@@ -176,6 +189,9 @@ static void put_column(const solids *s, column c, uint32_t cells)
                                 : c == INDEX ? ball
                                              : is_mirrored(i / FACE_TRIANGLES),
                                 4);
+    for (uint32_t i = 0; i < s->obstacles; i++)
+        for (uint32_t left = rheo__obstacle_facets(s->world, i, NULL, NULL); left > 0; left--)
+            rheo__output_little(s->vtp.out, c == KIND ? OBSTACLE : c == INDEX ? i : 0, 4);
 }
 
 enum { VECTORS = 2 };
@@ -193,6 +209,12 @@ static void put_vectors(const solids *s, bool spin, uint32_t cells)
         for (int k = 0; k < BALL_TRIANGLES; k++)
             put_point(s, spin ? ball.spin : ball.velocity);
     }
+    for (uint32_t i = 0; i < s->obstacles; i++) {
+        rheo_obstacle_state obstacle = {.velocity = {0}};
+        rheo_world_obstacle(s->world, i, &obstacle);
+        for (uint32_t left = rheo__obstacle_facets(s->world, i, NULL, NULL); left > 0; left--)
+            put_point(s, spin ? obstacle.spin : obstacle.velocity);
+    }
 }
 
 void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_extent *extent)
@@ -202,6 +224,7 @@ void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_e
                 .walls = rheo_world_definition(world)->walls.count,
                 .balls = rheo_world_body_count(world),
                 .vibrators = rheo_world_vibrator_count(world),
+                .obstacles = rheo_world_obstacle_count(world),
                 .bottom = extent->min[1]};
     double diagonal[3];
     for (int k = 0; k < 3; k++) {
@@ -209,8 +232,10 @@ void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_e
         diagonal[k] = .5 * extent->max[k] - .5 * extent->min[k];
     }
     s.half = rheo__view_length(diagonal);
-    const uint32_t points = s.vibrators + CORNERS * s.walls + BALL_POINTS * s.balls;
-    const uint32_t polygons = s.walls + BALL_TRIANGLES * s.balls, cells = s.vibrators + polygons;
+    for (uint32_t i = 0; i < s.obstacles; i++)
+        s.facets += rheo__obstacle_facets(world, i, NULL, NULL);
+    const uint32_t points = s.vibrators + CORNERS * s.walls + BALL_POINTS * s.balls + 3 * s.facets;
+    const uint32_t polygons = s.walls + BALL_TRIANGLES * s.balls + s.facets, cells = s.vibrators + polygons;
     s.vtp = rheo__vtp_begin(out, world, points, s.vibrators, 0, polygons);
     rheo__vtp_open(&s.vtp, "CellData", " Scalars=\"kind\"");
     for (int c = 0; c < COLUMNS; c++)
@@ -222,8 +247,9 @@ void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_e
     rheo__vtp_declare(&s.vtp, RHEO_ELEMENT_F32, "position", 3, (uint64_t)points * 3 * sizeof(float));
     rheo__vtp_close(&s.vtp, "Points");
     rheo__vtp_declare_cells(&s.vtp, "Verts", s.vibrators, s.vibrators);
-    rheo__vtp_declare_cells(&s.vtp, "Polys", CORNERS * (uint64_t)s.walls + 3 * (uint64_t)BALL_TRIANGLES * s.balls,
-                            polygons);
+    rheo__vtp_declare_cells(
+        &s.vtp, "Polys",
+        CORNERS * (uint64_t)s.walls + 3 * (uint64_t)BALL_TRIANGLES * s.balls + 3 * (uint64_t)s.facets, polygons);
     rheo__vtp_begin_values(&s.vtp);
     for (int c = 0; c < COLUMNS; c++)
         put_column(&s, (column)c, cells);

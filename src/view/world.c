@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "core/real.h"
+#include "view/facets.h"
 #include "view/output.h"
 #include "world/model.h"
 
@@ -245,6 +246,27 @@ static bool is_near(const rheo_extent *e, const rheo_body *ball)
     return true;
 }
 
+static void widen_by_facet(void *user, const rheo__facet *facet)
+{
+    for (int k = 0; k < 3; k++)
+        widen(user, facet->corner[k], facet->corner[k]);
+}
+
+/* An obstacle that is near, and no larger than the fluid, is seen as a whole. */
+static void widen_by_obstacle(rheo_extent *e, const rheo_world *world, uint32_t index)
+{
+    rheo_extent own = {{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}, 0, 1};
+    const rheo_extent fluid = *e;
+    rheo__obstacle_facets(world, index, widen_by_facet, &own);
+    for (int a = 0; a < 3; a++) {
+        const double size = own.max[a] - own.min[a], room = AWAY * (fluid.max[a] - fluid.min[a]);
+        if (!(size <= 2 * (fluid.max[a] - fluid.min[a]) && own.min[a] >= fluid.min[a] - room - size &&
+              own.max[a] <= fluid.max[a] + room + size))
+            return;
+    }
+    widen(e, own.min, own.max);
+}
+
 static void widen_by_temperatures(rheo_extent *e, const rheo_world *world)
 {
     rheo__columns columns;
@@ -279,6 +301,10 @@ rheo_extent rheo_world_extent(const rheo_world *world)
         const double *x = b.position, r = b.radius;
         widen(&e, (const double[3]){x[0] - r, x[1] - r, x[2] - r}, (const double[3]){x[0] + r, x[1] + r, x[2] + r});
     }
+    const rheo_world_def *def = rheo_world_definition(world);
+    for (uint32_t i = 0; i < rheo_world_obstacle_count(world); i++)
+        if (!def->obstacles.list[i].inside)
+            widen_by_obstacle(&e, world, i);
     if (e.min[0] > e.max[0]) /* the world is empty */
         widen(&e, (const double[3]){0, 0, 0}, (const double[3]){1, 1, 1});
     widen_by_temperatures(&e, world);

@@ -93,6 +93,13 @@ rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error 
     for (uint32_t i = 0; i < s->bodies && s->ball_push_phase; i++)
         if (!(s->ball_push_phase[i] >= 0 && s->ball_push_phase[i] < 1))
             return rheo__fail(error, RHEO_ERROR_FORMAT, "the push of ball %u has no phase from 0 to 1", i);
+    for (uint32_t i = 0; i < s->obstacles && s->obstacle_phase; i++) {
+        const double *q = s->obstacle_rotation + 4 * (size_t)i,
+                     length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+        if (!(s->obstacle_phase[i] >= 0 && s->obstacle_phase[i] < 1 && length2 > 0.999 && length2 < 1.001))
+            return rheo__fail(error, RHEO_ERROR_FORMAT,
+                              "obstacle %u has no phase from 0 to 1, or no unit quaternion as its rotation", i);
+    }
     RHEO__TRY(check_list(w, error));
     return check_history(w, rings, error);
 }

@@ -68,6 +68,7 @@ static rheo_result check_space(const rheo_world_def *def, rheo_error *error)
     const char *what = def->scheme == RHEO_SCHEME_SEQUENTIAL  ? "scheme sequential"
                        : def->scheme == RHEO_SCHEME_POSITIONS ? "scheme positions"
                        : def->ball.radius > 0                 ? "a ball"
+                       : def->obstacles.count > 0             ? "an obstacle"
                        : def->vibrators.count > 0             ? "vibrators"
                        : rheo__history_of_lengths(def)        ? "history.of length"
                                                               : NULL;

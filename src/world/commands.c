@@ -35,7 +35,7 @@ static rheo_result check_feature(const rheo_world *w, const char *path, rheo_err
         uint32_t feature;
     } groups[] = {{"springs.", "springs", RHEO__FEATURE_SPRINGS},
                   {"history.", "history", RHEO__FEATURE_HISTORY},
-                  {"walls.", "walls", RHEO__FEATURE_WALLS},
+                  {"walls.", "walls", RHEO__FEATURE_WALLS | RHEO__FEATURE_OBSTACLES},
                   {"ball.", "a ball", RHEO__FEATURE_BALL},
                   {"ball.push", "pushes of the ball", RHEO__FEATURE_PUSH},
                   {"vibrators.", "vibrators", RHEO__FEATURE_VIBRATORS},
@@ -67,6 +67,16 @@ static void set_ball(rheo_world *w, const char *path)
             ball[i].state[axis] = (rheo_real)ball[i].value[axis];
 }
 
+static void set_obstacle(rheo_world *w, const char *path)
+{
+    const int number = rheo__obstacle_number(path);
+    const char *member = number >= 0 ? strchr(path + strlen("obstacles."), '.') : "";
+    if (number >= 0 && strcmp(member, ".position") == 0)
+        rheo__obstacle_put(w, (uint32_t)number);
+    if (number >= 0 && strcmp(member, ".rotation") == 0)
+        rheo__obstacle_turn(w, (uint32_t)number);
+}
+
 static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
     const rheo_parameter *p = rheo_world_def_parameter_find(&w->def, c->path);
@@ -95,6 +105,7 @@ static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_err
         *w->state.time_origin = time;
     }
     set_ball(w, c->path);
+    set_obstacle(w, c->path);
     return RHEO_OK;
 }
 

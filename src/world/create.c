@@ -40,6 +40,8 @@ rheo__fields rheo__world_fields(const rheo_world_def *def, uint32_t features)
             RHEO__BIT(ball_position) | RHEO__BIT(ball_velocity) | RHEO__BIT(ball_spin) | RHEO__BIT(ball_orientation);
     if (features & RHEO__FEATURE_PUSH)
         present |= RHEO__BIT(ball_push_phase);
+    if (features & RHEO__FEATURE_OBSTACLES)
+        present |= RHEO__BIT(obstacle_position) | RHEO__BIT(obstacle_rotation) | RHEO__BIT(obstacle_phase);
     if (features & RHEO__FEATURE_VIBRATORS)
         present |= RHEO__BIT(vibrator_position) | RHEO__BIT(vibrator_phase) | RHEO__BIT(vibrator_frequency) |
                    RHEO__BIT(random);
@@ -153,6 +155,14 @@ static void place_ball(rheo_world *w)
     }
 }
 
+static void place_obstacles(rheo_world *w)
+{
+    for (uint32_t i = 0; i < w->state.obstacles; i++) {
+        rheo__obstacle_put(w, i);
+        rheo__obstacle_turn(w, i);
+    }
+}
+
 static bool fill_state(rheo_world *w, const rheo_world_def *def)
 {
     rheo__state *s = &w->state;
@@ -170,6 +180,7 @@ static bool fill_state(rheo_world *w, const rheo_world_def *def)
                            def->particles.spring_ends, def->particles.spring_rest_length))
         return false;
     place_ball(w);
+    place_obstacles(w);
     if (s->bodies)
         s->ball_orientation[0] = 1;
     if (s->vibrators) {
@@ -206,18 +217,30 @@ static bool take_definition(rheo_world *w, const rheo_world_def *def, uint32_t f
     return rheo__def_copy_arrays(&w->def, def);
 }
 
-/* Makes the memory of model and solids, and the first state. False: no memory. */
-static bool fill_world(rheo_world *w, const rheo_world_def *def)
+static rheo_result no_memory(const rheo_world_def *def, rheo_error *error)
+{
+    return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a world of %u particles", def->particles.count);
+}
+
+static bool make_state(rheo_world *w, const rheo_world_def *def)
+{
+    w->state.obstacles = w->solids->obstacles;
+    return (!w->type->create || w->type->create(w)) &&
+           rheo__state_resize(&w->state, def->particles.count, def->ball.radius > 0, def->vibrators.count) &&
+           fill_state(w, def) && rheo__world_configure(w) && rheo__world_reserve(w, def->particles.count);
+}
+
+/* Makes the memory of model and solids, and the first state. */
+static rheo_result fill_world(rheo_world *w, const rheo_world_def *def, rheo_error *error)
 {
     const rheo_allocator *allocator = &w->def.allocator;
     w->model = rheo__allocate(allocator, 1, w->type->size);
     w->solids = rheo__allocate(allocator, 1, sizeof *w->solids);
-    if (!w->model || !w->solids)
-        return false;
-    w->solids->allocator = *allocator;
-    return (!w->type->create || w->type->create(w)) &&
-           rheo__state_resize(&w->state, def->particles.count, def->ball.radius > 0, def->vibrators.count) &&
-           fill_state(w, def) && rheo__world_configure(w) && rheo__world_reserve(w, def->particles.count);
+    if (w->solids) {
+        w->solids->allocator = *allocator;
+        RHEO__TRY(rheo__solids_make_obstacles(w->solids, &w->def, error));
+    }
+    return w->model && w->solids && make_state(w, def) ? RHEO_OK : no_memory(def, error);
 }
 
 rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_world **world, rheo_error *error)
@@ -228,10 +251,11 @@ rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_
     rheo_allocator allocator = rheo__allocator_or_default(def->allocator);
     rheo_world *w = rheo__allocate(&allocator, 1, sizeof *w);
     if (!w)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a world of %u particles", def->particles.count);
-    if (!take_definition(w, def, features) || !fill_world(w, def)) {
+        return no_memory(def, error);
+    const rheo_result result = take_definition(w, def, features) ? fill_world(w, def, error) : no_memory(def, error);
+    if (result != RHEO_OK) {
         rheo_world_destroy(w);
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a world of %u particles", def->particles.count);
+        return result;
     }
     if (w->state.vibrators)
         rheo__vibrators_begin(w->solids, &w->state);

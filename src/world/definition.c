@@ -36,9 +36,18 @@ bool rheo__def_copy_arrays(rheo_world_def *own, const rheo_world_def *def)
     own->walls.plane = copy_of(&own->allocator, def->walls.plane, def->walls.count, sizeof *def->walls.plane);
     own->vibrators.position =
         copy_of(&own->allocator, def->vibrators.position, def->vibrators.count, sizeof *def->vibrators.position);
+    bool meshes = true;
+    for (uint32_t k = 0; k < def->obstacles.count; k++) {
+        const rheo_obstacle *from = &def->obstacles.list[k];
+        rheo_obstacle *to = &own->obstacles.list[k];
+        const uint32_t vertices = from->mesh.vertex_count, triangles = from->mesh.triangle_count;
+        to->mesh.vertex = copy_of(&own->allocator, from->mesh.vertex, vertices, sizeof *to->mesh.vertex);
+        to->mesh.triangle = copy_of(&own->allocator, from->mesh.triangle, triangles, sizeof *to->mesh.triangle);
+        meshes = meshes && (to->mesh.vertex || !vertices) && (to->mesh.triangle || !triangles);
+    }
     own->history.curve =
         copy_of(&own->allocator, def->history.curve, def->history.curve_count, sizeof *def->history.curve);
-    return (own->walls.plane || !def->walls.count) && (own->vibrators.position || !def->vibrators.count) &&
+    return meshes && (own->walls.plane || !def->walls.count) && (own->vibrators.position || !def->vibrators.count) &&
            (own->history.curve || !def->history.curve_count);
 }
 
@@ -47,6 +56,10 @@ void rheo__def_release_arrays(rheo_world_def *own)
     rheo__release(&own->allocator, (void *)(uintptr_t)own->walls.plane);
     rheo__release(&own->allocator, (void *)(uintptr_t)own->vibrators.position);
     rheo__release(&own->allocator, (void *)(uintptr_t)own->history.curve);
+    for (uint32_t k = 0; k < own->obstacles.count; k++) {
+        rheo__release(&own->allocator, (void *)(uintptr_t)own->obstacles.list[k].mesh.vertex);
+        rheo__release(&own->allocator, (void *)(uintptr_t)own->obstacles.list[k].mesh.triangle);
+    }
 }
 
 /* ---- Validation ---- */
@@ -179,6 +192,7 @@ static rheo_result check_model(const rheo_world_def *def, rheo_error *error)
     const char *missing = def->ball.radius > 0 && !(possible & RHEO__FEATURE_BALL)                 ? "ball"
                           : def->vibrators.count > 0 && !(possible & RHEO__FEATURE_VIBRATORS)      ? "vibrators"
                           : def->particles.spring_count > 0 && !(possible & RHEO__FEATURE_SPRINGS) ? "springs"
+                          : def->obstacles.count > 0 && !(possible & RHEO__FEATURE_OBSTACLES)      ? "obstacles"
                           : def->history.curve_count > 0 && !(possible & RHEO__FEATURE_HISTORY)    ? "history.curve"
                           : def->particles.density && !type->density         ? "densities of particles"
                           : def->particles.temperature && !type->temperature ? "temperatures of particles"

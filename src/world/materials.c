@@ -77,7 +77,7 @@ uint32_t rheo__material_number(const char *path)
 
 size_t rheo_world_def_parameter_count(const rheo_world_def *def)
 {
-    return rheo_parameter_count() + (size_t)def->materials.count * ROWS_OF_ONE;
+    return rheo_parameter_count() + (size_t)def->materials.count * ROWS_OF_ONE + rheo__obstacle_parameter_count(def);
 }
 
 const rheo_parameter *rheo_world_def_parameter_at(const rheo_world_def *def, size_t index)
@@ -85,7 +85,9 @@ const rheo_parameter *rheo_world_def_parameter_at(const rheo_world_def *def, siz
     const size_t main = rheo_parameter_count();
     if (index < main)
         return rheo_parameter_at(index);
-    return index < rheo_world_def_parameter_count(def) ? &rows[index - main].parameter : NULL;
+    const size_t of_materials = (size_t)def->materials.count * ROWS_OF_ONE;
+    return index < main + of_materials ? &rows[index - main].parameter
+                                       : rheo__obstacle_parameter(def, index - main - of_materials);
 }
 
 /* The number that a path has for a material: "1" or its name. 0: there is none. */
@@ -103,6 +105,8 @@ static uint32_t number_in(const rheo_world_def *def, const char *text, size_t le
 
 const rheo_parameter *rheo_world_def_parameter_find(const rheo_world_def *def, const char *path)
 {
+    if (rheo__is_of_obstacle(path))
+        return rheo__obstacle_parameter_find(def, path);
     if (!rheo__is_of_material(path))
         return rheo__parameter_find(path);
     const char *text = path + strlen(GROUP);

@@ -101,8 +101,9 @@ static bool stiffness_sum(const rheo__observation *o, double *value)
 bool rheo__measure_energy_jump(const rheo__observation *o, double *value)
 {
     double courant_number;
-    return o->def->vibrators.count == 0 && rheo__observed(o, "courant_number", &courant_number) &&
-           !(courant_number < 0.1) && rheo__observed(o, "energy_jump", value);
+    return o->def->vibrators.count == 0 && o->def->obstacles.count == 0 &&
+           rheo__observed(o, "courant_number", &courant_number) && !(courant_number < 0.1) &&
+           rheo__observed(o, "energy_jump", value);
 }
 
 /* ---- Advice ---- */

@@ -89,7 +89,8 @@ static uint32_t features(const rheo_world_def *def)
 {
     const rheo_material most = rheo__largest_of_materials(def);
     const bool k_min = most.springs.stiffness > 0, history = k_min && most.history.stiffness > 0,
-               walls = def->walls.count > 0, positions = def->scheme == RHEO_SCHEME_POSITIONS;
+               walls = def->walls.count > 0 || def->obstacles.count > 0,
+               positions = def->scheme == RHEO_SCHEME_POSITIONS;
     uint32_t needed = 0;
     if (positions ? def->positions.viscosity > 0
                   : def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0)
@@ -102,8 +103,10 @@ static uint32_t features(const rheo_world_def *def)
         needed |= RHEO__FEATURE_DENSITY;
     if (def->ball.radius > 0)
         needed |= RHEO__FEATURE_BALL | (pushes(def) ? RHEO__FEATURE_PUSH : 0);
-    if (walls)
+    if (def->walls.count > 0)
         needed |= RHEO__FEATURE_WALLS;
+    if (def->obstacles.count > 0)
+        needed |= RHEO__FEATURE_OBSTACLES;
     if (def->vibrators.count > 0)
         needed |= RHEO__FEATURE_VIBRATORS;
     if (walls && history && def->walls.sticking > 0)
@@ -117,8 +120,9 @@ static bool check_features(const rheo_world_def *def, uint32_t features)
 {
     const bool positions = def->scheme == RHEO_SCHEME_POSITIONS;
     const bool history = features & RHEO__FEATURE_HISTORY, springs = features & RHEO__FEATURE_SPRINGS,
-               walls = features & RHEO__FEATURE_WALLS, sticking = features & RHEO__FEATURE_STICKING,
-               ball = features & RHEO__FEATURE_BALL, push = features & RHEO__FEATURE_PUSH;
+               walls = features & (RHEO__FEATURE_WALLS | RHEO__FEATURE_OBSTACLES),
+               sticking = features & RHEO__FEATURE_STICKING, ball = features & RHEO__FEATURE_BALL,
+               push = features & RHEO__FEATURE_PUSH;
     return (positions ? !springs : springs || !history) && ((walls && history) || !sticking) && (ball || !push);
 }
 
@@ -176,6 +180,8 @@ static bool create(rheo_world *w)
 static bool configure(rheo_world *w)
 {
     const uint32_t window = w->features & RHEO__FEATURE_HISTORY ? w->def.history.window : 0;
+    rheo__thickening *t = w->model;
+    t->obstacle_speed = rheo__obstacles_speed(w->solids, &w->def);
     return rheo__thickening_configure(w->model, &w->def, window, w->state.ring.rows);
 }
 
@@ -423,8 +429,10 @@ const rheo__model_type rheo__model_thickening = {
     .friction_distance = friction_distance,
     .refine = rheo__thickening_refine,
     .materials = true,
-    .possible_features = (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH | RHEO__FEATURE_PLATES,
-    .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS | RHEO__FEATURE_PLATES,
+    .possible_features =
+        (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH | RHEO__FEATURE_PLATES | RHEO__FEATURE_OBSTACLES,
+    .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS | RHEO__FEATURE_PLATES |
+                      RHEO__FEATURE_OBSTACLES,
     .features = features,
     .check_features = check_features,
     .fields = fields,

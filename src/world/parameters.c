@@ -302,7 +302,8 @@ rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error)
     const rheo__parameter_row *row;
     for (size_t i = 0; (row = row_at(i)); i++)
         RHEO__TRY(rheo__row_check(def, row, error));
-    return rheo__materials_check(def, error);
+    RHEO__TRY(rheo__materials_check(def, error));
+    return rheo__obstacles_check(def, error);
 }
 
 /* ---- As text ---- */
@@ -412,6 +413,8 @@ rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char
     const rheo_parameter *p = rheo_world_def_parameter_find(def, path);
     if (!p && rheo__is_of_material(path))
         return rheo__material_unknown(def, path, error);
+    if (!p && rheo__is_of_obstacle(path))
+        return rheo__obstacle_unknown(def, path, error);
     if (!p)
         return rheo__parameter_unknown(path, rheo_parameter_nearest(path), error);
     if (p->type == RHEO_PARAMETER_NAME)
@@ -430,7 +433,7 @@ const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rh
                                                char of_a[96], char of_b[96])
 {
     const rheo_parameter *p;
-    const rheo_world_def *all = a->materials.count > b->materials.count ? a : b;
+    const rheo_world_def *all = rheo_world_def_parameter_count(a) > rheo_world_def_parameter_count(b) ? a : b;
     while ((p = rheo_world_def_parameter_at(all, (*index)++))) {
         of_a[0] = of_b[0] = 0;
         rheo_world_def_get(a, p->path, of_a, 96);

@@ -65,6 +65,22 @@ rheo_result rheo__material_unknown(const rheo_world_def *def, const char *path, 
 rheo_result rheo__materials_check(const rheo_world_def *def, rheo_error *error);
 rheo_result rheo__materials_check_particles(const rheo_world_def *def, rheo_error *error);
 
+/* ---- Obstacles (world/obstacles.c) ---- */
+
+/* Whether a path begins with "obstacles.", and the number after it; -1: there is none. */
+bool rheo__is_of_obstacle(const char *path);
+int rheo__obstacle_number(const char *path);
+/* The row of a parameter of an obstacle; NULL for others. */
+const rheo__parameter_row *rheo__obstacle_row(const rheo_parameter *parameter);
+/* Number of all parameters of the obstacles of a definition; one of them by index, and by path; NULL: there is none. */
+size_t rheo__obstacle_parameter_count(const rheo_world_def *def);
+const rheo_parameter *rheo__obstacle_parameter(const rheo_world_def *def, size_t index);
+const rheo_parameter *rheo__obstacle_parameter_find(const rheo_world_def *def, const char *path);
+/* Says that the definition has no such obstacle, or its shape no such parameter. */
+rheo_result rheo__obstacle_unknown(const rheo_world_def *def, const char *path, rheo_error *error);
+/* Checks all of the obstacles but their meshes. */
+rheo_result rheo__obstacles_check(const rheo_world_def *def, rheo_error *error);
+
 /* ---- Parameters of a definition ---- */
 
 /* Numbers of a parameter: 1, a vector has 3, a window 2 (steps, seconds), a name 0. A choice is the index of its word. */

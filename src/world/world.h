@@ -115,6 +115,7 @@ enum {
     RHEO__FEATURE_HEAT = 2048,        /* heat flows */
     RHEO__FEATURE_PUSH = 4096,        /* the ball is pushed periodically */
     RHEO__FEATURE_PLATES = 8192,
+    RHEO__FEATURE_OBSTACLES = 16384,
 };
 /* Features that a valid definition needs. */
 uint32_t rheo__world_features(const rheo_world_def *def);
@@ -179,6 +180,9 @@ struct rheo_world {
 /* Gives particles from `first` on the model's own fields; either array may be NULL. */
 void rheo__world_begin_particles(rheo_world *world, uint32_t first, const rheo_real *density,
                                  const rheo_real *temperature);
+/* Set the state of an obstacle to its position and its rotation in the definition (world/obstacles.c). */
+void rheo__obstacle_put(rheo_world *world, uint32_t index);
+void rheo__obstacle_turn(rheo_world *world, uint32_t index);
 /* Passes the definition in force on to model and solids. False: no memory. */
 bool rheo__world_configure(rheo_world *world);
 /* Makes room for this many particles. False: no memory. */

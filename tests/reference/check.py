@@ -15,6 +15,7 @@ from parameters import Definition, Parameters
 from world import World
 
 MELTING = 256
+OBSTACLES = 16384
 
 
 class Differs(Exception):
@@ -52,6 +53,9 @@ class Check:
         if self.head.features & MELTING:
             self.read_states()
             return 'only read (melting)'
+        if self.head.features & OBSTACLES:
+            self.read_states()
+            return 'only read (obstacles)'
         if Definition(self.parameters, frame.parameters)['scheme'] == 'positions':
             self.read_states()
             return 'only read (scheme positions)'
