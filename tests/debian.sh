@@ -44,8 +44,8 @@ for command in dh dh_python3 dpkg-buildpackage lintian; do
     command -v $command >/dev/null || { echo "there is no $command"; exit 77; }
 done
 version=$(sed -n "s/^  version: '\(.*\)',$/\1/p" "$source/meson.build")
-git -C "$source" archive --prefix="rheolog-$version/" HEAD | gzip -n >"$tmp/rheolog_$version.orig.tar.gz"
-tar -xf "$tmp/rheolog_$version.orig.tar.gz" -C "$tmp"
+git -C "$source" archive --prefix="rheolog-$version/" HEAD . ':!debian' | gzip -n >"$tmp/rheolog_$version.orig.tar.gz"
+git -C "$source" archive --prefix="rheolog-$version/" HEAD | tar -x -C "$tmp"
 (cd "$tmp/rheolog-$version" && dpkg-buildpackage -us -uc) >"$tmp/said" 2>&1 || { tail -n 30 "$tmp/said"; exit 1; }
 # Nobody can know: the address of a maintainer, the number of a bug that asks for the package, the page of the project.
 (cd "$tmp" && lintian --profile debian --display-info --pedantic --allow-root --fail-on error,warning,info,pedantic --suppress-tags \
