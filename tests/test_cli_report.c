@@ -295,6 +295,8 @@ static void texts_of_a_recording_are_only_text(void **state)
 static void a_cut_recording_is_shown_up_to_its_last_whole_step(void **state)
 {
     (void)state;
+    if (!json_scenes) /* the first state would be more than three quarters of the file */
+        skip();
     size_t length;
     record("a.rlog");
     const char *all = read_bytes("a.rlog", &length);
