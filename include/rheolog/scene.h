@@ -185,6 +185,10 @@ typedef struct rheo_scene {
          */
         double clearance;
     } ball;
+    struct {
+        /** The same of further balls: of ball 2, 3, ... */
+        double clearance[RHEO_MAX_BALLS - 1];
+    } balls;
     /** Settling before step 0, without ball, vibrators and history. Thickening only. */
     struct {
         /** Time that the fluid settles, at most a million steps. Unit T. Range >= 0, default 0. */
@@ -334,7 +338,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
     X(SETTLING, "settling")             \
     X(COMPRESSED, "compressed")         \
     X(FAR, "far")                       \
-    X(BALL_TOO_SMALL, "ball-too-small")
+    X(BALL_TOO_SMALL, "ball-too-small") \
+    X(BALLS_OVERLAP, "balls-overlap")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes or a plate hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
@@ -345,7 +350,7 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
  * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
  * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest; or a shape is so, because
  * the spacing does not fit the support), RHEO_WARNING_FAR (positions are so large that what they lose by rounding counts),
- * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles).
+ * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles), RHEO_WARNING_BALLS_OVERLAP (two balls).
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,
@@ -365,7 +370,7 @@ typedef struct rheo_warning {
     uint64_t count;
     /**
      * The number that is out of range, and its limit; NaN: none. Unit L: depth behind a wall, least distance of
-     * particles, depth of the ball in wall or fluid, its diameter and the distance of two walls. SPEED and SETTLING:
+     * particles, depth of a ball in wall, fluid or ball, its diameter and the distance of two walls. SPEED and SETTLING:
      * way in a step, in supports. PARAMETER: the measure that the text names. COMPRESSED: density, in those at rest.
      */
     double value, limit;

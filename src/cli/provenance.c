@@ -12,6 +12,8 @@ const rheo_parameter *cli_next_differing(const rheo_world_def *def, size_t *inde
     const rheo_parameter *p = NULL;
     for (defaults.materials.count = 0; defaults.materials.count < def->materials.count; defaults.materials.count++)
         defaults.materials.list[defaults.materials.count] = rheo_default_material("");
+    while (defaults.balls.count < def->balls.count)
+        defaults.balls.list[defaults.balls.count++] = rheo_default_ball();
     do
         p = rheo_world_def_differing(def, &defaults, index, value, usual);
     while (p && !(p->models >> def->model & 1));

@@ -77,15 +77,17 @@ uint32_t rheo__material_number(const char *path)
 
 size_t rheo_world_def_parameter_count(const rheo_world_def *def)
 {
-    return rheo_parameter_count() + (size_t)def->materials.count * ROWS_OF_ONE;
+    return rheo_parameter_count() + (size_t)def->materials.count * ROWS_OF_ONE + rheo__ball_parameter_count(def);
 }
 
 const rheo_parameter *rheo_world_def_parameter_at(const rheo_world_def *def, size_t index)
 {
-    const size_t main = rheo_parameter_count();
+    const size_t main = rheo_parameter_count(), of_materials = (size_t)def->materials.count * ROWS_OF_ONE;
     if (index < main)
         return rheo_parameter_at(index);
-    return index < rheo_world_def_parameter_count(def) ? &rows[index - main].parameter : NULL;
+    if (index < main + of_materials)
+        return &rows[index - main].parameter;
+    return index < rheo_world_def_parameter_count(def) ? rheo__ball_parameter_at(index - main - of_materials) : NULL;
 }
 
 /* The number that a path has for a material: "1" or its name. 0: there is none. */
@@ -103,8 +105,10 @@ static uint32_t number_in(const rheo_world_def *def, const char *text, size_t le
 
 const rheo_parameter *rheo_world_def_parameter_find(const rheo_world_def *def, const char *path)
 {
-    if (!rheo__is_of_material(path))
-        return rheo__parameter_find(path);
+    if (!rheo__is_of_material(path)) {
+        const rheo_parameter *of_ball = rheo__ball_parameter_find(path);
+        return of_ball ? of_ball : rheo__parameter_find(path);
+    }
     const char *text = path + strlen(GROUP);
     const uint32_t number = number_in(def, text, strcspn(text, "."));
     for (size_t i = 0; number && i < ROWS_OF_ONE; i++) {
