@@ -52,7 +52,8 @@ for command in run check; do
     expect "bowling-ball
 bowling-ball-long
 bowling-ball-si
-bowling-ball-small" "$command" --json bow
+bowling-ball-small
+bowling-balls" "$command" --json bow
 done
 expect "fluid.spacing=
 fluid.stiffness=

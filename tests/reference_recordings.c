@@ -1,7 +1,7 @@
 /*
  * Records small worlds for tests/reference: what the golden recordings lack, in the number type of this build. Every kind of
  * command, coinciding particles, passive hardening, a viscosity that is bounded, springs that are softened, both solvers, a
- * ball that is pushed and a floor that vibrates, materials that a command changes, a failure in a substep, periods of two
+ * ball that is pushed and a floor that vibrates, several balls, materials that a command changes, a failure in a substep, periods of two
  * cells, plates that commands move, and more particles than the ranks of a window and the sample of the mean velocity hold.
  *
  *   reference_recordings FOLDER
@@ -141,6 +141,23 @@ static void plate_command(rheo_world *w, uint64_t step)
         set(w, "plates.velocity", "[0, 0, 0]");
 }
 
+static void ball_command(rheo_world *w, uint64_t step)
+{
+    const double impulse[3] = {30, -70, 11}, point[3] = {4, 13, 3};
+    if (step == 3)
+        OK(rheo_world_push_body(w, 1, impulse, point, &error));
+    if (step == 5)
+        set(w, "ball3.velocity", "[2, 30, -1]");
+    if (step == 6)
+        set(w, "ball2.spin", "[3, -20, 9]");
+    if (step == 7)
+        set(w, "ball2.density_ratio", "0.7");
+    if (step == 8)
+        set(w, "ball3.push", "[2, 80, -1]");
+    if (step == 9)
+        set(w, "ball2.friction", "400");
+}
+
 static void record(const rheo_world_def *def, const char *folder, const char *name, uint64_t steps, bool commands)
 {
     char path[1024];
@@ -153,6 +170,8 @@ static void record(const rheo_world_def *def, const char *folder, const char *na
     for (uint64_t step = 1; step <= steps; step++) {
         if (commands && def->materials.count)
             material_command(world, step);
+        else if (commands && def->balls.count)
+            ball_command(world, step);
         else if (commands && def->space.period[0] > 0)
             plate_command(world, step);
         else if (commands)
@@ -266,6 +285,23 @@ int main(int argc, char **argv)
     def.ball.position[1] = 5;
     def.ball.velocity[1] = -60;
     record(&def, argv[1], "made-coinciding", 12, false);
+
+    /* Balls that fall on each other, and overlap. */
+    def = box();
+    rheo_ball second = rheo_default_ball(), third = rheo_default_ball();
+    second.radius = 1.5;
+    second.position[0] = 4.5, second.position[1] = 13, second.position[2] = 4.25;
+    second.velocity[1] = -40;
+    second.spin[0] = 5, second.spin[2] = -30;
+    second.push[0] = 60;
+    third.radius = 2;
+    third.density_ratio = 0.25;
+    third.position[0] = third.position[1] = third.position[2] = 5;
+    OK(rheo_world_def_add_ball(&def, &second, &error));
+    OK(rheo_world_def_add_ball(&def, &third, &error));
+    record(&def, argv[1], "made-balls", 12, true);
+    def.scheme = RHEO_SCHEME_SEQUENTIAL;
+    record(&def, argv[1], "made-balls-sequential", 8, false);
 
     def = box();
     def.history.kind = RHEO_HISTORY_FULL;

@@ -183,6 +183,44 @@ static void a_probe_has_means(void **state)
     assert_true(fabs(strtod(cell(csv, 1, "weight"), NULL) - weight) < 1e-5);
 }
 
+/* The ball with a number, as metrics, inspect, when and debug show it. */
+static void a_ball_has_a_number(void **state)
+{
+    (void)state;
+    char y[2][40], line[128];
+    record("a.rlog"); /* with one ball */
+    assert_code(0, run("run bowling-balls --set resolution=0.4 --set settle.time=1 --steps 8 -o a.rlog --force"));
+    for (int ball = 1; ball <= 2; ball++) {
+        snprintf(line, sizeof line, ball == 1 ? "--ball --to 8 --every 8" : "--to 8 --every 8 --ball %d", ball);
+        follow(line);
+        snprintf(y[ball - 1], sizeof y[0], "%s", cell(csv, 2, "y"));
+        assert_string_equal(cell(csv, 2, "step"), "8");
+    }
+    assert_string_not_equal(y[0], y[1]);
+    follow("--ball=2 --from 8");
+    assert_string_equal(cell(csv, 1, "y"), y[1]);
+    assert_code(0, run("metrics a.rlog --columns ball2_y"));
+    assert_non_null(strstr(out, y[1]));
+    assert_code(0, run("inspect a.rlog --step 8"));
+    assert_in("\nball 2        ", out);
+    assert_code(0, run("when a.rlog 'ball 2: y <= %s and step == 8'", y[1]));
+    assert_in("step 8: ball 2: y is ", out);
+    assert_code(0, run("when a.rlog 'ball 2: y <= %s and step == 8' --json", y[1]));
+    assert_in("\"item\": \"ball\", \"id\": 1, ", out);
+    assert_code(0, run("when a.rlog 'ball: y <= %s and step == 8' --json", y[0]));
+    assert_in("\"item\": \"ball\", \"id\": null, ", out);
+    assert_code(2, run("track a.rlog --ball 3"));
+    assert_one_message("a.rlog has no ball 3; it has 2");
+    assert_code(2, run("track a.rlog --ball 0"));
+    assert_one_message("balls are numbered from 1");
+    assert_code(
+        0,
+        run("debug a.rlog <<'END'\nprint ball 2\ntrack ball 2 vy 2\nset ball2.velocity [0, 7, 0]\nprint ball 2\nEND"));
+    assert_in("velocity    0, 7, 0 L/T", out);
+    assert_code(0, run("debug a.rlog <<'END'\nprint ball 3\nEND"));
+    assert_in("has no ball 3; it has 2", err);
+}
+
 static void bad_usage_is_refused(void **state)
 {
     (void)state;
@@ -222,6 +260,7 @@ int main(void)
         cmocka_unit_test(stages_have_lines_of_their_own),
         cmocka_unit_test(the_last_stage_of_a_step_has_its_number),
         cmocka_unit_test(a_probe_has_means),
+        cmocka_unit_test(a_ball_has_a_number),
         cmocka_unit_test(bad_usage_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

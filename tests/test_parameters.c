@@ -351,20 +351,25 @@ static void expected_comment(const rheo_parameter *p, char *text, size_t size)
 /* Counts the parameters whose comment in the header disagrees, and prints them. */
 static int disagreements(const char *text, const char *name, bool scene_only)
 {
-    static documented d;
+    static documented def, ball; /* the members of ball are those of a type of its own */
     const rheo_parameter *p;
     int count = 0;
-    read_struct(text, name, &d);
+    read_struct(text, name, &def);
+    if (!scene_only)
+        read_struct(text, "rheo_ball", &ball);
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
         if (p->scene_only != scene_only || strcmp(p->path, "model") == 0)
             continue;
         char expected[512];
         expected_comment(p, expected, sizeof expected);
         size_t m = 0;
-        while (m < d.count && strcmp(d.member[m].path, p->path) != 0)
+        const bool of_ball = !scene_only && strncmp(p->path, "ball.", 5) == 0;
+        const documented *d = of_ball ? &ball : &def;
+        while (m < d->count && strcmp(d->member[m].path, p->path + (of_ball ? 5 : 0)) != 0)
             m++;
-        if (m == d.count || !strstr(d.member[m].comment, expected)) {
-            print_message("%s: \"%s\" is not in \"%s\"\n", p->path, expected, m < d.count ? d.member[m].comment : "");
+        if (m == d->count || !strstr(d->member[m].comment, expected)) {
+            print_message("%s: \"%s\" is not in \"%s\"\n", p->path, expected,
+                          m < d->count ? d->member[m].comment : "");
             count++;
         }
     }
@@ -390,14 +395,14 @@ static void headers_agree_with_the_rows(void **unused)
 {
     (void)unused;
     assert_int_equal(disagreements(read_header("scene.h"), "rheo_scene", true), 0);
-    char *text = strstr(read_header("world.h"), "typedef struct rheo_world_def {");
+    char *text = read_header("world.h");
     assert_int_equal(disagreements(text, "rheo_world_def", false), 0);
     static const char *const change[][2] = {
         {"default 300.", "default 301."},         {"Range 0 < x < 1", "Range 0 < x < 2"},
         {"Unit 1/T^2.", "Unit 1/T^3."},           {"Words floor, force", "Words force, floor"},
         {"(melting: 0.045)", "(melting: 0.046)"}, {"double yield_ratio", "double yield_ratia"}};
     for (size_t i = 0; i < sizeof change / sizeof *change; i++) {
-        char *found = strstr(text, change[i][0]);
+        char *found = strstr(strstr(text, "typedef struct rheo_world_def {"), change[i][0]);
         assert_non_null(found);
         memcpy(found, change[i][1], strlen(change[i][1]));
         assert_int_equal(disagreements(text, "rheo_world_def", false), 1);

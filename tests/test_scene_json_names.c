@@ -72,9 +72,47 @@ static void a_path_of_a_mesh_fits_or_is_refused(void **unused)
     }
 }
 
+static void scene_files_have_further_balls(void **unused)
+{
+    (void)unused;
+    static const char text[] =
+        "{\"ball\": {\"radius\": 2}, \"ball2\": {\"radius\": 1, \"density_ratio\": 0.3, \"clearance\": 2, "
+        "\"position\": [1, 2, 3]}, \"ball3\": {\"radius\": 4}}";
+    rheo_scene scene, again;
+
+    OK(rheo_scene_from_json(text, strlen(text), "t.json", &scene, &error));
+    assert_int_equal(scene.world.balls.count, 2);
+    NEAR(scene.world.balls.list[0].density_ratio, 0.3, 0);
+    NEAR(scene.world.balls.list[0].position[2], 3, 0);
+    NEAR(scene.balls.clearance[0], 2, 0);
+    NEAR(scene.balls.clearance[1], -1, 0);
+    NEAR(scene.world.balls.list[1].friction, 25, 0);
+    char *written = rheo_scene_to_json(&scene);
+    assert_non_null(written);
+    OK(rheo_scene_from_json(written, strlen(written), "t.json", &again, &error));
+    assert_memory_equal(&scene.world.balls, &again.world.balls, sizeof scene.world.balls);
+    assert_memory_equal(&scene.balls, &again.balls, sizeof scene.balls);
+    free(written);
+    rheo_scene_release(&scene);
+    rheo_scene_release(&again);
+    static const char *const BAD[][2] = {
+        {"{\"ball3\": {\"radius\": 1}}", "there is no ball 2"},
+        {"{\"ball1\": {\"radius\": 1}}", "the first ball has no number"},
+        {"{\"ball17\": {\"radius\": 1}}", "at most 16 balls"},
+        {"{\"ball2\": {\"radios\": 1}}", "a ball has no such parameter; it has: radius"},
+        {"{\"ball2\": 3}", "ball2 must be an object"},
+        {"{\"ball2\": {\"radius\": \"1\"}}", "ball2.radius"},
+        {"{\"model\": \"melting\", \"ball2\": {\"radius\": 1}}", "parameter of the model thickening"},
+    };
+    for (size_t i = 0; i < sizeof BAD / sizeof *BAD; i++)
+        REFUSED(RHEO_ERROR_ARGUMENT, BAD[i][1],
+                rheo_scene_from_json(BAD[i][0], strlen(BAD[i][0]), "t.json", &scene, &error));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_scene_is_named_after_its_file),
-                                       cmocka_unit_test(a_path_of_a_mesh_fits_or_is_refused)};
+                                       cmocka_unit_test(a_path_of_a_mesh_fits_or_is_refused),
+                                       cmocka_unit_test(scene_files_have_further_balls)};
     return cmocka_run_group_tests_name("scene_json_names", tests, NULL, NULL);
 }

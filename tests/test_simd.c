@@ -264,12 +264,8 @@ static void each_margin_counts_and_nothing_behind_the_last(void **unused)
         for (uint32_t n = 1; n <= MOST; n = n < 37 ? n + 1 : n + 563) {
             rheo__state s = {
                 .particles = n, .position = x, .velocity = v, .list_position = from, .list_margin = margin};
-            const rheo__motion m = {.velocity = {1, 2, 3},
-                                    .displacement = {3, 2, 1},
-                                    .fall = RHEO__R(0.5),
-                                    .step = 2,
-                                    .most = 10,
-                                    .near2 = -1};
+            const rheo__motion m = {
+                .velocity = {1, 2, 3}, .displacement = {3, 2, 1}, .fall = RHEO__R(0.5), .step = 2, .most = 10};
             for (uint32_t i = 0; i < ROOM; i++) {
                 margin[i] = i < n ? RHEO__R(1.5) : (rheo_real)__builtin_nan(""); /* more than 2 x 0.5 */
                 for (uint32_t k = 3 * i; k < 3 * i + 3; k++) {
@@ -291,10 +287,13 @@ static void each_margin_counts_and_nothing_behind_the_last(void **unused)
                 }
                 /* The ball is as fast as its squared speed says, but only near a particle. */
                 rheo__motion ball = m;
-                ball.near2 = 4, ball.ball2 = RHEO__R(0.36);
-                ball.ball[0] = x[3 * i], ball.ball[1] = x[3 * i + 1], ball.ball[2] = x[3 * i + 2] + RHEO__R(1.9);
+                ball.balls = 2; /* the first is far away */
+                ball.near2[0] = ball.near2[1] = 4, ball.ball2[0] = ball.ball2[1] = RHEO__R(0.36);
+                ball.ball[0][0] = RHEO__R(1e6);
+                ball.ball[1][0] = x[3 * i], ball.ball[1][1] = x[3 * i + 1],
+                ball.ball[1][2] = x[3 * i + 2] + RHEO__R(1.9);
                 assert_false(list_lasts[index](&s, &ball));
-                ball.ball[2] += RHEO__R(0.2);
+                ball.ball[1][2] += RHEO__R(0.2);
                 assert_true(list_lasts[index](&s, &ball));
             }
             for (uint32_t i = 0; i < n; i++)

@@ -433,7 +433,7 @@ static void the_ball_counts_as_fluid(void **unused)
     def.fluid.number_density = 0.125;
     def.ball.radius = 3;
     rheo_world *world = world_of(def, 0, NULL, NULL);
-    const rheo__wetting_integrals *table = rheo__thickening_of(world)->wetting;
+    const rheo__wetting_integrals *table = rheo__thickening_of(world)->wetting[0];
     const double h = 2, side = 2 * 3.0 / CELLS;
     for (int node = 0; node < RHEO__WETTING_NODES; node += 16) {
         const double distance = 3 + node * h / (RHEO__WETTING_NODES - 1); /* of the particle, from the centre */

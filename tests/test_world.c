@@ -145,7 +145,7 @@ static void bad_definitions_are_refused(void **unused)
 static void arrays_are_copied_and_released(void **unused)
 {
     (void)unused;
-    _Static_assert(sizeof(rheo_world_def) < 10240, "definitions are small enough to be passed by value");
+    _Static_assert(sizeof(rheo_world_def) < 16384, "definitions are small enough to be passed by value");
     rheo_world_def def = rheo_default_world_def();
     rheo_wall wall = {{0, 0, 0}, {0, 2, 0}};
     double position[1][2] = {{3, 4}};

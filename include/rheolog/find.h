@@ -1,6 +1,6 @@
 /*
  * Searching a recording for the steps at which a condition holds: conditions on recorded metrics, which are read, and on
- * particles, springs and the ball.
+ * particles, springs and balls.
  */
 #ifndef RHEOLOG_FIND_H
 #define RHEOLOG_FIND_H
@@ -27,7 +27,7 @@ typedef struct rheo_found {
     uint64_t step;
     /** The stage run after which it holds, as of rheo_player_seek_stage(); "" at the end of the step. */
     char stage[48];
-    /** What the first comparison that holds is about: "particle 17", "spring 17:21", "ball"; "" for a metric. */
+    /** What the first comparison that holds is about: "particle 17", "spring 17:21", "ball", "ball 2"; "" for a metric. */
     char item[48];
     /** Particle, or smaller id of a spring; 0 for others. */
     uint64_t id;

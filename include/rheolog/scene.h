@@ -199,6 +199,10 @@ typedef struct rheo_scene {
          */
         double clearance;
     } ball;
+    struct {
+        /** The same of further balls: of ball 2, 3, ... */
+        double clearance[RHEO_MAX_BALLS - 1];
+    } balls;
     /** Settling before step 0, without ball, vibrators and history. Thickening only. */
     struct {
         /** Time that the fluid settles, at most a million steps. Unit T. Range >= 0, default 0. */
@@ -385,7 +389,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
     X(COMPRESSED, "compressed")         \
     X(FAR, "far")                       \
     X(BALL_TOO_SMALL, "ball-too-small") \
-    X(IN_OBSTACLE, "in-obstacle")
+    X(IN_OBSTACLE, "in-obstacle")   \
+    X(BALLS_OVERLAP, "balls-overlap")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes or a plate hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
@@ -397,7 +402,7 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
  * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest; or a shape is so, because
  * the spacing does not fit the support), RHEO_WARNING_FAR (positions are so large that what they lose by rounding counts),
  * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles), RHEO_WARNING_IN_OBSTACLE (particles of a shape are
- * where an obstacle has no fluid). SPEED: also of an obstacle.
+ * where an obstacle has no fluid), RHEO_WARNING_BALLS_OVERLAP (two balls). SPEED: also of an obstacle.
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,
@@ -422,8 +427,8 @@ typedef struct rheo_warning {
     /** Particles, or pairs of particles if kind is RHEO_WARNING_OVERLAP, that it is about; 0: none. */
     uint64_t count;
     /**
-     * The number that is out of range; NaN: none. Unit L: depth behind a wall, least distance of particles, depth of the
-     * ball in wall or fluid, its diameter and the distance of two walls. SPEED and SETTLING: way in a step, in supports.
+     * The number that is out of range; NaN: none. Unit L: depth behind a wall, least distance of particles, depth of a
+     * ball in wall, fluid or ball, its diameter and the distance of two walls. SPEED and SETTLING: way in a step, in supports.
      * PARAMETER: the measure that the text names. COMPRESSED: density, in those at rest.
      */
     double value;

@@ -30,7 +30,7 @@ typedef enum rheo_source {
     RHEO_SOURCE_VISCOSITY = 5,
     /** A wall (its number; that of the nearest for the share that several walls have together in a summed density). */
     RHEO_SOURCE_WALL = 6,
-    /** The ball. */
+    /** A ball (its index, 0 for the first). */
     RHEO_SOURCE_BALL = 7,
     /** A plate (0 the lower, 1 the upper one). */
     RHEO_SOURCE_PLATE = 8,

@@ -33,6 +33,8 @@ extern "C" {
 #define RHEO_MAX_OBSTACLE_VERTICES 200000
 /** Most triangles that all meshes of obstacles have together. */
 #define RHEO_MAX_OBSTACLE_TRIANGLES 200000
+/** Most balls of a world. */
+#define RHEO_MAX_BALLS 16
 /** Most materials of a world beside the main one. */
 #define RHEO_MAX_MATERIALS 16
 
@@ -192,6 +194,37 @@ typedef struct rheo_wall {
     /** Normal. Must not be zero; a world normalises it on creation. */
     double normal[3];
 } rheo_wall;
+
+/** A rigid ball of the thickening model. Start from rheo_default_ball(). */
+typedef struct rheo_ball {
+    /** Radius R. Unit L. Range >= 0, default 0. Zero: no ball; else at least 1e-12. */
+    double radius;
+    /**
+     * Density of the ball divided by that of the fluid. Range >= 1e-06, default 2. Mass = ratio x volume x
+     * particles per volume.
+     */
+    double density_ratio;
+    /** Centre at step 0. Unit L. Any finite value, default [0, 0, 0]. */
+    double position[3];
+    /** Velocity at step 0. Unit L/T. Any finite value, default [0, 0, 0]. */
+    double velocity[3];
+    /** Angular velocity at step 0. Unit 1/T. Any finite value, default [0, 0, 0]. */
+    double spin[3];
+    /** Rate mu at which contact stops sliding. Unit 1/T. Range >= 0, default 25. */
+    double friction;
+    /**
+     * Periodic push, as by the leg of a runner: its acceleration, mean over a period. Unit L/T^2. Any finite
+     * value, default [0, 0, 0]. Zero when a world is made: there is none.
+     */
+    double push[3];
+    /** Pushes in a unit of time; the first begins at step 0. Unit 1/T. Range >= 1e-12, default 1. */
+    double push_frequency;
+    /**
+     * Share of a period, from its start on, in which the ball is pushed, as half a sine. Range 1e-06 to 1, default
+     * 0.5.
+     */
+    double push_duty;
+} rheo_ball;
 
 /**
  * A material of the thickening model beside the main one, whose parameters are in springs and history of the
@@ -438,35 +471,15 @@ typedef struct rheo_world_def {
     } obstacles;
 
     /** A rigid ball. Thickening only. */
+    /** A rigid ball, the first one. Thickening only. */
+    rheo_ball ball;
+    /** Further balls: ball2, ball3, ... Needs a first ball. Thickening only. */
     struct {
-        /** Radius R. Unit L. Range >= 0, default 0. Zero: no ball; else at least 1e-12. */
-        double radius;
-        /**
-         * Density of the ball divided by that of the fluid. Range >= 1e-06, default 2. Mass = ratio x volume x
-         * particles per volume.
-         */
-        double density_ratio;
-        /** Centre at step 0. Unit L. Any finite value, default [0, 0, 0]. */
-        double position[3];
-        /** Velocity at step 0. Unit L/T. Any finite value, default [0, 0, 0]. */
-        double velocity[3];
-        /** Angular velocity at step 0. Unit 1/T. Any finite value, default [0, 0, 0]. */
-        double spin[3];
-        /** Rate mu at which contact stops sliding. Unit 1/T. Range >= 0, default 25. */
-        double friction;
-        /**
-         * Periodic push, as by the leg of a runner: its acceleration, mean over a period. Unit L/T^2. Any finite
-         * value, default [0, 0, 0]. Zero when a world is made: there is none.
-         */
-        double push[3];
-        /** Pushes in a unit of time; the first begins at step 0. Unit 1/T. Range >= 1e-12, default 1. */
-        double push_frequency;
-        /**
-         * Share of a period, from its start on, in which the ball is pushed, as half a sine. Range 1e-06 to 1, default
-         * 0.5.
-         */
-        double push_duty;
-    } ball;
+        /** Number of further balls. Range 0 to RHEO_MAX_BALLS - 1, default 0. */
+        uint32_t count;
+        /** Ball 2, 3, ...; each has a radius of at least 1e-12. */
+        rheo_ball list[RHEO_MAX_BALLS - 1];
+    } balls;
 
     /** Vibrators at fixed positions. Thickening only. */
     struct {
@@ -682,6 +695,14 @@ typedef struct rheo_world_def {
 RHEO_API rheo_world_def rheo_default_world_def(void);
 /** Defaults of a model, which must exist. */
 RHEO_API rheo_world_def rheo_default_model_def(rheo_model model);
+/** A ball with the defaults of def.ball; it has no radius. */
+RHEO_API rheo_ball rheo_default_ball(void);
+/** Adds a further ball to a definition. RHEO_ERROR_ARGUMENT if there are RHEO_MAX_BALLS. */
+RHEO_API rheo_result rheo_world_def_add_ball(rheo_world_def *def, const rheo_ball *ball, rheo_error *error);
+/** Number of balls. */
+RHEO_API uint32_t rheo_world_def_ball_count(const rheo_world_def *def);
+/** Ball by index, 0 for def.ball; NULL past the last. */
+RHEO_API const rheo_ball *rheo_world_def_ball(const rheo_world_def *def, uint32_t index);
 /** A material with this name that has all parameters of the main one. A name that is too long is cut. */
 RHEO_API rheo_material rheo_default_material(const char *name);
 /**
@@ -765,15 +786,20 @@ RHEO_API const rheo_parameter *rheo_parameter_at(size_t index);
  * Parameters of a definition with its materials and obstacles: those of rheo_parameter_at(), then six of each material,
  * such as materials.1.name and materials.1.springs.stiffness, then those of each obstacle, such as
  * obstacles.0.velocity, that its shape has.
+ * Parameters of a definition with its materials and further balls: those of rheo_parameter_at(), then six of each material, such as
+ * materials.1.name and materials.1.springs.stiffness, then those of each further ball, such as ball2.radius.
  */
 RHEO_API size_t rheo_world_def_parameter_count(const rheo_world_def *def);
 /** Parameter by index; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_world_def_parameter_at(const rheo_world_def *def, size_t index);
 /**
  * Parameter by path, in which a material has its number or its name: materials.1.springs.stiffness or
- * materials.cornstarch.springs.stiffness. NULL if there is none.
+ * materials.cornstarch.springs.stiffness. Those of further balls are found up to RHEO_MAX_BALLS, whether the definition has these
+ * balls or not: ball2.radius. NULL if there is none.
  */
 RHEO_API const rheo_parameter *rheo_world_def_parameter_find(const rheo_world_def *def, const char *path);
+/** Parameter of any further ball by index, with a path such as "ballN.radius"; NULL past the last. */
+RHEO_API const rheo_parameter *rheo_ball_parameter_at(size_t index);
 /** Parameter of any material by index, with a path such as "materials.NAME.springs.stiffness"; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_material_parameter_at(size_t index);
 /** Parameter of any obstacle by index, with a path such as "obstacles.0.velocity"; NULL past the last. */
@@ -795,7 +821,7 @@ RHEO_API const char *rheo_parameter_new_name(const char *path);
 /**
  * Sets one parameter from text: "0.5", "150", "2.5 s", "[0, -9.81, 0]", "implicit". The locale does not matter.
  * RHEO_ERROR_ARGUMENT if the path is unknown (the message names the nearest), or the value is malformed or out of
- * range.
+ * range. The first parameter of ball N sets adds this ball, if the definition has N - 1 balls.
  */
 RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value, rheo_error *error);
 /**
@@ -951,7 +977,7 @@ typedef enum rheo_command_kind {
 } rheo_command_kind;
 
 /**
- * Applies an impulse to the ball. impulse: unit M L/T, where a particle has mass 1. point: where it acts, unit L;
+ * Applies an impulse to a ball, 0 for the first. impulse: unit M L/T, where a particle has mass 1. point: where it acts, unit L;
  * NULL: at the centre. RHEO_ERROR_ARGUMENT if there is no such body or the resulting speed exceeds 1e30.
  */
 RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3],
@@ -960,6 +986,7 @@ RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, cons
  * Changes a live parameter; those of a material are found by its name or number (rheo_world_def_parameter_find()).
  * ball.position, ball.velocity and ball.spin set the state, as position and rotation of an obstacle do
  * (obstacles.0.position). RHEO_ERROR_ARGUMENT if the parameter is unknown, not live,
+ * ball.position, ball.velocity and ball.spin, and those of further balls, set the state. RHEO_ERROR_ARGUMENT if the parameter is unknown, not live,
  * or out of range; if its stages are missing because it was 0 at creation (say history.stiffness); or if it is
  * history.weights (kinds full and tempered), history.order (kind tempered), or with history.of length the step.
  */
@@ -1249,7 +1276,7 @@ typedef struct rheo_body {
     double mass;
 } rheo_body;
 
-/** Number of bodies: 1 with a ball, else 0. */
+/** Number of bodies, which are the balls. */
 RHEO_API uint32_t rheo_world_body_count(const rheo_world *world);
 /** Reads a body. RHEO_ERROR_ARGUMENT if there is no such body. */
 RHEO_API rheo_result rheo_world_body(const rheo_world *world, uint32_t index, rheo_body *body);

@@ -39,11 +39,12 @@ int cli_file_error(const char *path, rheo_result result, const rheo_error *error
 /* ---- Options ---- */
 
 typedef enum cli_kind {
-    CLI_FLAG,   /* bool */
-    CLI_TEXT,   /* const char * */
-    CLI_NUMBER, /* cli_number */
-    CLI_SIZE,   /* cli_number, bytes; with K, M, G or T */
-    CLI_LIST,   /* cli_list; the option may be repeated */
+    CLI_FLAG,     /* bool */
+    CLI_TEXT,     /* const char * */
+    CLI_NUMBER,   /* cli_number */
+    CLI_OPTIONAL, /* cli_number; 1 if no number follows */
+    CLI_SIZE,     /* cli_number, bytes; with K, M, G or T */
+    CLI_LIST,     /* cli_list; the option may be repeated */
 } cli_kind;
 
 typedef struct cli_number {

@@ -69,6 +69,20 @@ static int print_metric(cli_session *s, const char *name)
     return status;
 }
 
+/* Reads the number of a ball, if there is one. */
+static int read_ball(const cli_session *s, const char *text, uint64_t *ball)
+{
+    const uint32_t count = rheo_world_body_count(cli_debug_world(s));
+    if (!count)
+        return cli_fail(CLI_BAD, "%s has no ball", s->file);
+    if (*text && !cli_number_from(text, ball))
+        return cli_fail(CLI_BAD, "ball needs a number, as in: ball 2; got \"%s\"", text);
+    if (*text && (!*ball || *ball > count))
+        return cli_fail(CLI_BAD, "%s has no ball %llu; it has %u", s->file, (unsigned long long)*ball,
+                        (unsigned)count);
+    return CLI_DONE;
+}
+
 int cli_debug_print(cli_session *s, const char *text)
 {
     char what[64] = "";
@@ -89,12 +103,14 @@ int cli_debug_print(cli_session *s, const char *text)
                    ? show(s, &v, cli_inspect_text_things)
                    : cli_fail(CLI_BAD, "print spring needs two different ids, as 3:12; got \"%s\"", text);
     }
+    if (strcmp(what, "ball") == 0) {
+        v.ball = 0; /* all of them */
+        const int status = read_ball(s, text, &v.ball);
+        return status == CLI_DONE ? show(s, &v, cli_inspect_text_ball) : status;
+    }
     if (*text)
         return cli_fail(CLI_BAD, "print takes one thing; got \"%s\" as well", text);
-    if (strcmp(what, "ball") != 0)
-        return print_metric(s, what);
-    return rheo_world_body_count(cli_debug_world(s)) ? show(s, &v, cli_inspect_text_ball)
-                                                     : cli_fail(CLI_BAD, "%s has no ball", s->file);
+    return print_metric(s, what);
 }
 
 int cli_debug_top(cli_session *s, const char *text)
@@ -116,8 +132,12 @@ static int read_item(const cli_session *s, const char **text, cli_followed *t)
     uint64_t end[2] = {0, 0};
     cli_debug_word(text, word, sizeof word);
     if (strcmp(word, "ball") == 0) {
+        uint64_t ball = 1;
+        const bool number = **text >= '0' && **text <= '9' && cli_debug_word(text, id, sizeof id);
+        const int status = read_ball(s, number ? id : "", &ball);
         t->kind = CLI_TRACK_BALL;
-        return rheo_world_body_count(world) ? CLI_DONE : cli_fail(CLI_BAD, "%s has no ball", s->file);
+        t->id = (uint32_t)ball - 1;
+        return status;
     }
     const bool spring = strcmp(word, "spring") == 0;
     if ((!spring && strcmp(word, "particle") != 0) || !cli_debug_word(text, id, sizeof id))

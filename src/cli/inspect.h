@@ -34,8 +34,8 @@ enum { CLI_MAX_RANKINGS = 16 };
 
 typedef struct cli_view {
     /* Request. */
-    const char *file, *stage; /* stage: NULL is the end of the step */
-    uint64_t step, particle, end[2];
+    const char *file, *stage;              /* stage: NULL is the end of the step */
+    uint64_t step, particle, end[2], ball; /* ball: only this one, from 1 on; 0: all */
     bool has_particle, has_spring, has_rankings;
     size_t top;
 

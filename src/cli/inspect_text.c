@@ -39,7 +39,11 @@ void cli_inspect_text_ball(const cli_view *v)
 {
     rheo_body body;
     for (uint32_t i = 0; rheo_world_body(v->world, i, &body) == RHEO_OK; i++) {
-        text_vector("ball", body.position, "L");
+        char name[16];
+        if (v->ball && v->ball != i + 1)
+            continue;
+        snprintf(name, sizeof name, i ? "ball %u" : "ball", (unsigned)(i + 1) % 1000);
+        text_vector(name, body.position, "L");
         text_vector("  velocity", body.velocity, "L/T");
         text_vector("  spin", body.spin, "1/T");
     }
@@ -81,11 +85,11 @@ static void ids_of(const cli_view *v, const char *name, double id[2])
         }
 }
 
-/* Ids are printed with their metrics, the ball has its own lines, and the time is in the heading. */
+/* Ids are printed with their metrics, balls have their own lines, and the time is in the heading. */
 static bool is_listed(const char *name)
 {
     return !rheo__json_ends_with(name, "_id") && !rheo__json_ends_with(name, "_a") &&
-           !rheo__json_ends_with(name, "_b") && strncmp(name, "ball_", 5) != 0 && strcmp(name, "step") != 0 &&
+           !rheo__json_ends_with(name, "_b") && strncmp(name, "ball", 4) != 0 && strcmp(name, "step") != 0 &&
            strcmp(name, "time") != 0;
 }
 

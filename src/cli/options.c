@@ -118,6 +118,7 @@ static int take(const cli_command *command, const cli_option *option, const char
     case CLI_TEXT:
         *(const char **)option->target = value;
         break;
+    case CLI_OPTIONAL:
     case CLI_NUMBER: {
         cli_number *number = option->target;
         if (!cli_number_from(value, &number->value))
@@ -173,6 +174,10 @@ int cli_parse(const cli_command *command, const cli_option *options, int *argc, 
             return unknown_option(command, options, text);
         if (option->kind == CLI_FLAG && value)
             return cli_usage(command, "%s takes no value; got \"%s\"", option->name, value);
+        if (option->kind == CLI_OPTIONAL && !value) {
+            uint64_t number;
+            value = i + 1 < *argc && cli_number_from(argv[i + 1], &number) ? argv[++i] : "1";
+        }
         if (option->kind != CLI_FLAG && !value) {
             if (i + 1 == *argc)
                 return cli_usage(command, "%s needs a value: %s %s", text, text, option->argument);

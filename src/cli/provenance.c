@@ -14,6 +14,8 @@ const rheo_parameter *cli_next_differing(const rheo_world_def *def, size_t *inde
         defaults.materials.list[defaults.materials.count] = rheo_default_material("");
     for (uint32_t k = 0; k < def->obstacles.count; k++)
         defaults.obstacles.list[defaults.obstacles.count++] = rheo_default_obstacle(def->obstacles.list[k].shape);
+    while (defaults.balls.count < def->balls.count)
+        defaults.balls.list[defaults.balls.count++] = rheo_default_ball();
     do
         p = rheo_world_def_differing(def, &defaults, index, value, usual);
     while (p && !(p->models >> def->model & 1));

@@ -71,8 +71,11 @@ int cli_change_scene(const cli_command *command, rheo_scene *scene, const cli_li
         const rheo_result result = rheo_scene_set(scene, key, value, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
-        if (strcmp(key, "ball.position") == 0)
-            scene->ball.clearance = -1; /* a clearance would override the position */
+        char *member = strchr(key, '.');
+        if (strncmp(key, "ball", 4) == 0 && member && strcmp(member, ".position") == 0) {
+            snprintf(member, sizeof key - (size_t)(member - key), ".clearance");
+            rheo_scene_set(scene, key, "-1", NULL); /* a clearance would override the position */
+        }
     }
     return CLI_DONE;
 }

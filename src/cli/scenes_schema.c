@@ -371,6 +371,19 @@ static void put_group(rheo__json *json, const char *group, rheo_model model)
     end_closed(json, "");
 }
 
+/* Groups ball2, ball3, ... with the keys of the group ball. */
+static void put_further_balls(rheo__json *json, rheo_model model)
+{
+    for (unsigned number = 2; number <= RHEO_MAX_BALLS; number++) {
+        char text[64];
+        snprintf(text, sizeof text, "ball%u", number);
+        rheo__json_begin_object(json, text);
+        snprintf(text, sizeof text, "#/oneOf/%u/properties/ball", (unsigned)model);
+        rheo__json_text(json, "$ref", text);
+        rheo__json_end_object(json);
+    }
+}
+
 static void put_model(rheo__json *json, rheo_model model)
 {
     char group[64], seen[512] = " ";
@@ -401,6 +414,8 @@ static void put_model(rheo__json *json, rheo_model model)
         snprintf(seen + strlen(seen), sizeof seen - strlen(seen), "%s", group);
         group[length + 1] = 0;
         put_group(json, group + 1, model);
+        if (strcmp(group + 1, "ball") == 0 && cli_has_parameter(model, p))
+            put_further_balls(json, model);
     }
     end_closed(json, model == 0 ? "" : "model"); /* the first model is the default */
 }

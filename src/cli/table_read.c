@@ -112,12 +112,19 @@ static int add_settings(cli_sweep *s, cli_row *row, const char *name, const rheo
     usual.world = rheo_default_model_def(scene->world.model);
     for (usual.world.materials.count = 0; usual.world.materials.count < scene->world.materials.count;)
         usual.world.materials.list[usual.world.materials.count++] = rheo_default_material("");
+    while (usual.world.balls.count < scene->world.balls.count)
+        usual.world.balls.list[usual.world.balls.count++] = rheo_default_ball();
     int status = add_setting(s, row, &hint, "scene", NULL, name, "");
     for (size_t i = 0; status == CLI_DONE && (p = rheo_world_def_parameter_at(&scene->world, i)) != NULL; i++)
         status = add_parameter(s, row, &hint, p, scene, &usual);
     for (size_t i = 0; has_scene && status == CLI_DONE && (p = rheo_scene_parameter_at(i)) != NULL; i++)
         if (p->scene_only && strcmp(p->path, "steps") != 0) /* those of the row are what was run */
             status = add_parameter(s, row, &hint, p, scene, &usual);
+    for (unsigned ball = 2; has_scene && status == CLI_DONE && ball <= scene->world.balls.count + 1; ball++) {
+        char path[32];
+        snprintf(path, sizeof path, "ball%u.clearance", ball);
+        status = add_parameter(s, row, &hint, rheo_scene_parameter_find(path), scene, &usual);
+    }
     return status;
 }
 

@@ -1,4 +1,4 @@
-/* rheolog track: prints a particle, a spring, the ball or a point of a recording through time. */
+/* rheolog track: prints a particle, a spring, a ball or a point of a recording through time. */
 #include "cli/track.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@ enum { MOST_FIELDS = 64 };
 
 typedef struct arguments {
     const char *file, *spring, *probe, *field, *simd;
-    cli_number particle;
-    bool ball, history, stages, cost, json;
+    cli_number particle, ball;
+    bool history, stages, cost, json;
     cli_steps steps;
     rheo_recording *recording;
     cli_followed track;
@@ -52,17 +52,19 @@ static int check_usage(arguments *a, int argc)
     cli_followed *t = &a->track;
     if (argc != 1)
         return cli_usage(&cli_track, "needs one recording; got %d", argc);
-    if (a->particle.given + (a->spring != NULL) + a->ball + (a->probe != NULL) != 1)
-        return cli_usage(&cli_track, "needs one of --particle ID, --spring A:B, --ball and --probe X,Y,Z");
+    if (a->particle.given + (a->spring != NULL) + a->ball.given + (a->probe != NULL) != 1)
+        return cli_usage(&cli_track, "needs one of --particle ID, --spring A:B, --ball [N] and --probe X,Y,Z");
     if (a->particle.given && a->particle.value > UINT32_MAX)
         return cli_usage(&cli_track, "--particle: ids are at most 4294967295");
-    if (a->history && (a->ball || a->probe))
+    if (a->ball.given && (a->ball.value < 1 || a->ball.value > RHEO_MAX_BALLS))
+        return cli_usage(&cli_track, "--ball: balls are numbered from 1 to at most %d", RHEO_MAX_BALLS);
+    if (a->history && (a->ball.given || a->probe))
         return cli_usage(&cli_track, "--history goes with --particle and --spring; others have none");
-    t->kind = a->spring  ? CLI_TRACK_SPRING
-              : a->ball  ? CLI_TRACK_BALL
-              : a->probe ? CLI_TRACK_PROBE
-                         : CLI_TRACK_PARTICLE;
-    t->id = (uint32_t)a->particle.value;
+    t->kind = a->spring       ? CLI_TRACK_SPRING
+              : a->ball.given ? CLI_TRACK_BALL
+              : a->probe      ? CLI_TRACK_PROBE
+                              : CLI_TRACK_PARTICLE;
+    t->id = (uint32_t)(a->ball.given ? a->ball.value - 1 : a->particle.value);
     t->history = a->history;
     if (!a->steps.every.given)
         a->steps.every = (cli_number){true, 1};
@@ -117,6 +119,9 @@ static int check_things(const arguments *a, const rheo_world *world)
     const cli_followed *t = &a->track;
     if (t->kind == CLI_TRACK_BALL && rheo_world_body_count(world) == 0)
         return cli_fail(CLI_BAD, "%s has no ball", a->file);
+    if (t->kind == CLI_TRACK_BALL && t->id >= rheo_world_body_count(world))
+        return cli_fail(CLI_BAD, "%s has no ball %u; it has %u", a->file, (unsigned)t->id + 1,
+                        (unsigned)rheo_world_body_count(world));
     if (t->kind == CLI_TRACK_SPRING && !has_springs(world))
         return cli_fail(CLI_BAD, "%s has no springs", a->file);
     uint64_t particles = rheo_recording_get_info(a->recording).particles;
@@ -264,7 +269,7 @@ static int run(int argc, char **argv)
     const cli_option options[] = {
         {"--particle", NULL, "ID", CLI_NUMBER, &a.particle},
         {"--spring", NULL, "A:B", CLI_TEXT, &a.spring},
-        {"--ball", NULL, NULL, CLI_FLAG, &a.ball},
+        {"--ball", NULL, "[N]", CLI_OPTIONAL, &a.ball},
         {"--probe", NULL, "X,Y,Z", CLI_TEXT, &a.probe},
         {"--field", NULL, "NAME,NAME,...", CLI_TEXT, &a.field},
         {"--history", NULL, NULL, CLI_FLAG, &a.history},

@@ -9,7 +9,7 @@ typedef enum cli_track_kind { CLI_TRACK_PARTICLE, CLI_TRACK_SPRING, CLI_TRACK_BA
 
 typedef struct cli_followed {
     cli_track_kind kind;
-    uint32_t id, other; /* particle; ends of a spring */
+    uint32_t id, other; /* particle; ends of a spring; index of a ball */
     double point[3];    /* of a probe */
     bool history;
     /* The columns, and their values at one place; NaN: none. Both from malloc. */

@@ -173,7 +173,7 @@ static rheo_result spring_values(cli_followed *t, const rheo_world *world)
 static void ball_values(cli_followed *t, const rheo_world *world)
 {
     rheo_body b;
-    if (rheo_world_body(world, 0, &b) != RHEO_OK)
+    if (rheo_world_body(world, t->id, &b) != RHEO_OK)
         return;
     double *to = put(put(t->value, b.position, 3), b.velocity, 3);
     *to++ = sqrt(b.velocity[0] * b.velocity[0] + b.velocity[1] * b.velocity[1] + b.velocity[2] * b.velocity[2]);

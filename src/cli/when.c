@@ -19,11 +19,12 @@ static void print_text(const rheo_found *f)
 static void print_json(const rheo_found *f)
 {
     rheo__json json = {.file = stdout};
-    const bool id = *f->item && strcmp(f->item, "ball") != 0, spring = strncmp(f->item, "spring", 6) == 0;
+    const bool ball = strncmp(f->item, "ball", 4) == 0, id = *f->item && strcmp(f->item, "ball") != 0,
+               spring = strncmp(f->item, "spring", 6) == 0;
     rheo__json_begin_object(&json, NULL);
     rheo__json_integer(&json, "step", f->step);
     rheo__json_text(&json, "stage", *f->stage ? f->stage : NULL);
-    rheo__json_text(&json, "item", !*f->item ? NULL : spring ? "spring" : id ? "particle" : "ball");
+    rheo__json_text(&json, "item", !*f->item ? NULL : spring ? "spring" : ball ? "ball" : "particle");
     rheo__json_known_integer(&json, "id", id, f->id);
     rheo__json_known_integer(&json, "other_id", spring, f->other_id);
     rheo__json_text(&json, "quantity", f->quantity);

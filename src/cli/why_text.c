@@ -17,6 +17,8 @@ const char *cli_why_source(const rheo_contribution *c, uint64_t id, char text[CL
         snprintf(text, CLI_WHY_TEXT, "its old value goes");
     else if (c->source == RHEO_SOURCE_SPRING)
         snprintf(text, CLI_WHY_TEXT, "spring %llu:%llu", low, high);
+    else if (c->source == RHEO_SOURCE_BALL && it)
+        snprintf(text, CLI_WHY_TEXT, "%s %llu", name, it + 1);
     else if (c->source == RHEO_SOURCE_PLATE)
         snprintf(text, CLI_WHY_TEXT, "%s plate", it ? "upper" : "lower");
     else if (strcmp(item, "particle") == 0)
@@ -207,10 +209,11 @@ void cli_why_print_end(const rheo_chain *chain)
 
 static void write_contribution(rheo__json *json, const char *key, const rheo_contribution *c, uint32_t components)
 {
-    const bool has_item = *rheo_source_item(c->source) != 0;
+    const bool is_ball = c->source == RHEO_SOURCE_BALL && c->item,
+               has_item = is_ball || *rheo_source_item(c->source) != 0;
     rheo__json_begin_object(json, key);
     rheo__json_text(json, "source", rheo_source_name(c->source));
-    rheo__json_text(json, "item", has_item ? rheo_source_item(c->source) : NULL);
+    rheo__json_text(json, "item", is_ball ? "ball" : has_item ? rheo_source_item(c->source) : NULL);
     rheo__json_known_integer(json, "item_id", has_item, c->item);
     rheo__json_text(json, "sum", *c->sum ? c->sum : NULL);
     rheo__json_vector(json, "value", c->value, components);

@@ -137,6 +137,12 @@ typedef struct rheo__state {
     struct rheo__account *account; /* kept while stages run (core/account.h); NULL: none */
 } rheo__state;
 
+/* The ball that is body `index` of a world. */
+static inline const rheo_ball *rheo__ball_of(const rheo_world_def *def, uint32_t index)
+{
+    return index ? &def->balls.list[index - 1] : &def->ball;
+}
+
 size_t rheo__element_size(rheo_element element);
 /* Bits of the value at `index`, and bits as a number. */
 uint64_t rheo__element_bits(rheo_element element, const void *values, size_t index);

@@ -9,6 +9,7 @@
 
 #include "rheolog/scene_json.h"
 #include "json/file_name.h"
+#include "json/scene_json_material.h"
 #include "json/scene_json_shape.h"
 
 /* ---- Walls ---- */
@@ -141,78 +142,6 @@ static rheo_result read_grid(const rheo__json_reader *r, const rheo__json_place 
     return result;
 }
 
-/* ---- Materials ---- */
-
-/* Reads "springs" or "history" of the last material: its parameters. */
-static rheo_result read_material_group(const rheo__json_reader *r, const rheo__json_place *at, json_t *value)
-{
-    rheo_scene *scene = r->user;
-    const char *key = NULL;
-    json_t *item = NULL;
-    size_t index = 0;
-    if (!json_is_object(value))
-        return rheo__json_refuse(r, at, "must be an object {...}; got %s", rheo__json_kind(value));
-    json_object_foreach(value, key, item)
-    {
-        const rheo__json_place here = {at, key, index++};
-        char path[96], text[32];
-        double number = 0;
-        rheo_error error = {""};
-        if (rheo__json_is_ignored(key))
-            continue;
-        snprintf(path, sizeof path, "materials.%u.%s.%.40s", scene->world.materials.count, at->key, key);
-        rheo_result result = RHEO_OK;
-        if (rheo_world_def_parameter_find(&scene->world, path))
-            result = rheo__json_read_number(r, &here, item, &number, 1);
-        if (result != RHEO_OK)
-            return result;
-        rheo_number_text(number, text);
-        if (rheo_scene_set(scene, path, text, &error) != RHEO_OK)
-            return rheo__json_refuse(r, &here, "%s", error.message);
-    }
-    return RHEO_OK;
-}
-
-static rheo_result read_material(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
-{
-    rheo_scene *scene = r->user;
-    rheo_material material = rheo_default_material("");
-    rheo_error error = {""};
-    const char *key = NULL;
-    json_t *item = NULL;
-    size_t index = 0;
-    if (!json_is_object(value) || !json_object_get(value, "name"))
-        return rheo__json_refuse(r, at, "must be an object with a name, {\"name\": \"cornstarch\", ...}; got %s",
-                                 json_is_object(value) ? "one without" : rheo__json_kind(value));
-    json_object_foreach((json_t *)value, key, item)
-    {
-        const rheo__json_place here = {at, key, index++};
-        if (strcmp(key, "name") != 0)
-            continue;
-        rheo_result result = rheo__json_read_text(r, &here, item, material.name, sizeof material.name);
-        if (result == RHEO_OK)
-            result =
-                rheo__scene_added(r, &here, rheo_world_def_add_material(&scene->world, &material, &error), &error);
-        if (result != RHEO_OK)
-            return result;
-    }
-    index = 0;
-    json_object_foreach((json_t *)value, key, item)
-    {
-        static const char *const known[] = {"name", "springs", "history"};
-        const rheo__json_place here = {at, key, index++};
-        rheo_result result = RHEO_OK;
-        if (strcmp(key, "springs") == 0 || strcmp(key, "history") == 0)
-            result = read_material_group(r, &here, item);
-        else if (strcmp(key, "name") != 0 && !rheo__json_is_ignored(key))
-            result = rheo__json_unknown_key(r, &here, key, known, sizeof known / sizeof *known,
-                                            "a material has a name, springs and history");
-        if (result != RHEO_OK)
-            return result;
-    }
-    return RHEO_OK;
-}
-
 /* ---- The curve of the history ---- */
 
 static rheo_result read_curve_point(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
@@ -262,7 +191,7 @@ static const special specials[] = {
     {"about", read_about, NULL, NULL},
     {"model", NULL, NULL, NULL}, /* read_model() has already read it */
     {"fluid.shapes", NULL, rheo__scene_read_shape, NULL},
-    {"materials", NULL, read_material, "springs.stiffness"},
+    {"materials", NULL, rheo__scene_read_material, "springs.stiffness"},
     {"obstacles", NULL, rheo__scene_read_obstacle, NULL},
     {"walls.planes", NULL, read_plane, NULL},
     {"walls.boxes", NULL, read_box, NULL},
@@ -376,10 +305,19 @@ static rheo_result read_parameter(const rheo__json_reader *r, const rheo__json_p
 
 /* ---- The file ---- */
 
+/* A group such as "ball2", or a key in it. */
+static bool is_further_ball(const char *path)
+{
+    return strncmp(path, "ball", 4) == 0 && path[4] >= '1' && path[4] <= '9';
+}
+
 /* Refuses a key, and names the nearest key, or the new name of an old key. */
 static rheo_result unknown_key(const rheo__json_reader *r, const rheo__json_place *at, const char *path)
 {
     const char *known[SPECIALS + 1] = {rheo_scene_parameter_nearest(path)}, *now = rheo_parameter_new_name(path);
+    rheo_error error = {""};
+    if (is_further_ball(path) && rheo_scene_set(r->user, path, "", &error) != RHEO_OK)
+        return rheo__json_refuse(r, at, "%s", error.message);
     if (now)
         return rheo__json_refuse(r, at, "\"%s\" is now called \"%s\"", path, now);
     for (size_t i = 0; i < SPECIALS; i++)
@@ -394,7 +332,9 @@ static bool is_group(const char *key)
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
         if (strncmp(p->path, key, length) == 0 && p->path[length] == '.')
             return true;
-    return false;
+    char path[96];
+    snprintf(path, sizeof path, "%.64s.radius", key);
+    return is_further_ball(key) && rheo_scene_parameter_find(path) != NULL;
 }
 
 /* Reads the members of a group, or of the whole file if `group` is NULL. */

@@ -204,6 +204,24 @@ static void write_obstacles(rheo__json *json, const rheo_world_def *def)
     rheo__json_end_list(json);
 }
 
+/* Writes the further balls, as groups ball2, ball3, ... */
+static void write_balls(rheo__json *json, const rheo_scene *scene)
+{
+    for (uint32_t number = 2; number <= scene->world.balls.count + 1; number++) {
+        const rheo_parameter *p = NULL;
+        char path[64];
+        snprintf(path, sizeof path, "ball%u", (unsigned)number);
+        rheo__json_begin_object(json, path);
+        for (size_t i = 0; (p = rheo_ball_parameter_at(i)) != NULL; i++) {
+            snprintf(path, sizeof path, "ball%u.%s", (unsigned)number, after_group(p->path));
+            write_parameter(json, scene, rheo_scene_parameter_find(path));
+        }
+        snprintf(path, sizeof path, "ball%u.clearance", (unsigned)number);
+        write_parameter(json, scene, rheo_scene_parameter_find(path));
+        rheo__json_end_object(json);
+    }
+}
+
 /* Every parameter, group and list item has its own line. */
 enum { SCENE_LINES = 3 };
 
@@ -226,6 +244,7 @@ char *rheo_scene_to_json(const rheo_scene *scene)
     }
     write_materials(&json, &scene->world);
     write_obstacles(&json, &scene->world);
+    write_balls(&json, scene);
     rheo__json_end_object(&json);
     const bool failed = ferror(json.file) != 0;
     if (fclose(json.file) != 0 || failed) {

@@ -189,13 +189,14 @@ static void tell_particles(rheo_command *c)
 
 static void tell(rheo_command *c)
 {
-    char vector[VECTOR_TEXT], point[VECTOR_TEXT], x[32], z[32];
+    char vector[VECTOR_TEXT], point[VECTOR_TEXT], x[32], z[32], ball[24];
     switch (c->kind) {
     case RHEO_COMMAND_SET:
         snprintf(c->text, sizeof c->text, "%s was set to %s", c->path, c->value);
         return;
     case RHEO_COMMAND_PUSH_BODY:
-        snprintf(c->text, sizeof c->text, "the ball was pushed by impulse %s%s%s", vector_text(c->vector, vector),
+        snprintf(ball, sizeof ball, c->index ? "ball %u" : "the ball", c->index + 1);
+        snprintf(c->text, sizeof c->text, "%s was pushed by impulse %s%s%s", ball, vector_text(c->vector, vector),
                  c->has_point ? " at " : "", c->has_point ? vector_text(c->point, point) : "");
         return;
     case RHEO_COMMAND_ADD_PARTICLES:

@@ -180,8 +180,10 @@ static bool take_parameters(rheo_world *world, const rheo_world_def *other)
     const rheo_parameter *p;
     for (size_t i = 0; (p = rheo_world_def_differing(&world->def, other, &i, own, wanted));) {
         rheo_error fixed;
-        const bool is_state = strcmp(p->path, "ball.position") == 0 || strcmp(p->path, "ball.velocity") == 0 ||
-                              strcmp(p->path, "ball.spin") == 0;
+        const char *member = strchr(p->path, '.');
+        const bool is_state =
+            strncmp(p->path, "ball", 4) == 0 && member &&
+            (strcmp(member, ".position") == 0 || strcmp(member, ".velocity") == 0 || strcmp(member, ".spin") == 0);
         if (!is_state)
             any = rheo_world_set(world, p->path, wanted, &fixed) == RHEO_OK || any;
     }

@@ -60,6 +60,8 @@ static void describe(const finder *f, uint64_t step, const char *stage, rheo_fou
     else if (t->about == RHEO__ABOUT_SPRING)
         rheo__text_print(found->item, sizeof found->item, "spring %llu:%llu", (unsigned long long)o->id,
                          (unsigned long long)o->other);
+    else if (t->about == RHEO__ABOUT_BALL && t->id)
+        rheo__text_print(found->item, sizeof found->item, "ball %llu", 1 + (unsigned long long)t->id);
     else if (t->about == RHEO__ABOUT_BALL)
         rheo__text_print(found->item, sizeof found->item, "ball");
 }
@@ -248,6 +250,9 @@ static rheo_result check(const rheo__predicate *condition, const rheo_world *wor
                 t->name);
         if (t->about == RHEO__ABOUT_BALL && rheo_world_body_count(world) == 0)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the recording has no ball");
+        if (t->about == RHEO__ABOUT_BALL && t->id >= rheo_world_body_count(world))
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the recording has no ball %llu; it has %u",
+                              1 + (unsigned long long)t->id, rheo_world_body_count(world));
         if (t->about == RHEO__ABOUT_SPRING && !rheo__state_has(&world->state, RHEO__FIELD_spring_ends))
             return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the recording has no springs");
         const uint64_t id = t->other > t->id ? t->other : t->id;

@@ -131,8 +131,15 @@ static rheo_result read_item(parser *p, rheo__term *t)
     }
     if (t->any)
         return refuse(p, "\"any\" is followed by particle or spring");
-    if (take(p, "ball"))
-        t->about = RHEO__ABOUT_BALL;
+    if (!take(p, "ball"))
+        return RHEO_OK;
+    t->about = RHEO__ABOUT_BALL;
+    if (p->length && *p->at >= '0' && *p->at <= '9') {
+        RHEO__TRY(read_id(p, &t->id));
+        if (!t->id)
+            return rheo__fail(p->error, RHEO_ERROR_ARGUMENT, "ball 0: balls are numbered from 1 on");
+        t->id--;
+    }
     return RHEO_OK;
 }
 

@@ -25,10 +25,10 @@ typedef enum rheo__operator {
 typedef struct rheo__term {
     rheo__about about;
     bool any;
-    uint32_t id, other;
-    char name[64];     /* metric or quantity; that of a vector without its component */
-    uint32_t quantity; /* index: of the metric, of rheo_world_quantity(), or of the tables in predicate_values.c */
-    int component;     /* of a vector: 0 to 2; -1: its length, or a scalar */
+    uint32_t id, other; /* of a ball: its index */
+    char name[64];      /* metric or quantity; that of a vector without its component */
+    uint32_t quantity;  /* index: of the metric, of rheo_world_quantity(), or of the tables in predicate_values.c */
+    int component;      /* of a vector: 0 to 2; -1: its length, or a scalar */
     rheo__operator op;
     double number;
 } rheo__term;

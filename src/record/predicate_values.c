@@ -224,15 +224,15 @@ static rheo_result look_at_springs(const rheo__term *t, const rheo_world *world,
     return result;
 }
 
-/* ---- The ball ---- */
+/* ---- Balls ---- */
 
 static void look_at_ball(const rheo__term *t, const rheo_world *world, rheo__outcome *outcome)
 {
     rheo_body body;
-    if (rheo_world_body(world, 0, &body) != RHEO_OK)
+    if (rheo_world_body(world, t->id, &body) != RHEO_OK)
         return;
     const double *const vectors[] = {body.position, body.velocity, body.spin, body.velocity};
-    consider(t, component_of(t, vectors[t->quantity]), 0, 0, outcome);
+    consider(t, component_of(t, vectors[t->quantity]), t->id, 0, outcome);
 }
 
 /* ---- The condition ---- */

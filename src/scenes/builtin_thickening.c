@@ -93,6 +93,27 @@ static void bowling_ball_small(rheo_scene *scene)
     scene->steps = 600;
 }
 
+/* A heavy ball rolls into a light one that floats. */
+static void bowling_balls(rheo_scene *scene)
+{
+    rheo_world_def *def = &scene->world;
+    pool(scene, 24, 8, 16);
+    def->ball.radius = 6;
+    def->ball.density_ratio = 2.6;
+    def->ball.position[0] = 10;
+    def->ball.position[2] = 16;
+    def->ball.velocity[0] = 14;
+    scene->ball.clearance = 1;
+    rheo_ball *light = &def->balls.list[def->balls.count++];
+    *light = rheo_default_ball();
+    light->radius = 5;
+    light->density_ratio = 0.3;
+    light->position[0] = 31;
+    light->position[2] = 16;
+    scene->balls.clearance[0] = 0;
+    scene->steps = 400;
+}
+
 static void vibration(rheo_scene *scene)
 {
     rheo_world_def *def = &scene->world;
@@ -417,6 +438,8 @@ static const rheo__builtin SCENE[] = {
     {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", bowling_ball_small},
     {"bowling-ball-long", "the same with q = .2 and a memory of all the past: the ball stays up", bowling_ball_long},
     {"bowling-ball-si", "the same in SI units, with a ball of 11 cm radius", bowling_ball_si},
+    {"bowling-balls", "a heavy ball rolls over cornstarch into a light one, and sinks; the light one floats",
+     bowling_balls},
     {"vibration", "a layer over 25 vibrators whose frequencies change at random", vibration},
     {"impact", "a ball hits a shallow pool of a stiff fluid", impact},
     {"impact-deep", "the same in a pool twice as deep", impact_deep},

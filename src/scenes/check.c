@@ -37,8 +37,7 @@ static void position_of(const inspection *c, size_t id, double x[3])
         x[axis] = (double)c->def->particles.position[3 * id + axis];
 }
 
-/* Distance from a wall, negative behind it. n: its unit normal. */
-static double wall_distance(const rheo_wall *wall, const double x[3], double n[3])
+double rheo__wall_distance(const rheo_wall *wall, const double x[3], double n[3])
 {
     const double length = length_of(wall->normal),
                  from[3] = {x[0] - wall->point[0], x[1] - wall->point[1], x[2] - wall->point[2]};
@@ -67,7 +66,7 @@ static uint64_t count_behind(const inspection *c, const rheo_wall *wall, uint32_
     for (size_t i = first; i < end; i++) {
         double x[3], n[3];
         position_of(c, i, x);
-        const double depth = -wall_distance(wall, x, n);
+        const double depth = -rheo__wall_distance(wall, x, n);
         if (!(depth > spread_at(c, shape, x, n)))
             continue;
         count++;
@@ -322,122 +321,6 @@ static void check_plates(const inspection *c)
         check_plate_particles(c);
 }
 
-/* ---- Ball ---- */
-
-/* told: it has been said already that the ball is too large. */
-static void check_ball_at_wall(const inspection *c, uint32_t w, bool told)
-{
-    const rheo_world_def *def = c->def;
-    const double radius = def->ball.radius;
-    double n[3];
-    const double distance = wall_distance(&def->walls.plane[w], def->ball.position, n);
-    if (!(distance < radius * (1 - 1e-6)) || (told && distance >= 0))
-        return;
-    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_IN_WALL);
-    warning.refused = distance < 0;
-    warning.wall = (int32_t)w;
-    warning.value = radius - distance;
-    warning.limit = 0;
-    char overlap[32];
-    rheo__warn(c->warnings, warning,
-               "the ball, of radius %g at [%g, %g, %g], %s wall %u by %s: move it by as much along the wall's normal "
-               "[%g, %g, %g]%s",
-               radius, def->ball.position[0], def->ball.position[1], def->ball.position[2],
-               distance < 0 ? "has its centre behind" : "overlaps", w,
-               rheo__text_brief(distance < 0 ? -distance : radius - distance, 3, false, overlap),
-               def->walls.plane[w].normal[0], def->walls.plane[w].normal[1], def->walls.plane[w].normal[2],
-               distance < 0 ? " and by its radius, or turn the normal round" : "");
-}
-
-/* Two walls that face each other leave room for the diameter of the ball, or not. */
-static bool fits_between(const inspection *c, uint32_t a, uint32_t b)
-{
-    const rheo_world_def *def = c->def;
-    const rheo_wall *wall = def->walls.plane;
-    double n[3], m[3];
-    const double diameter = 2 * def->ball.radius, gap = wall_distance(&wall[a], wall[b].point, n);
-    wall_distance(&wall[b], wall[a].point, m);
-    if (!(dot(n, m) < -1 + 1e-9) || !(gap > 0 && gap < diameter * (1 - 1e-6)))
-        return true;
-    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_TOO_LARGE);
-    warning.wall = (int32_t)a;
-    warning.value = diameter;
-    warning.limit = gap;
-    char apart[32], wide[32], most[32];
-    rheo__warn(c->warnings, warning,
-               "the ball does not fit between walls %u and %u: they are %s apart and its diameter is %s; its radius "
-               "must be at most %s",
-               a, b, rheo__text_brief(gap, 4, false, apart), rheo__text_brief(diameter, 4, false, wide),
-               rheo__text_brief(gap / 2, 4, true, most));
-    return false;
-}
-
-/* A ball that has room between particles feels no fluid. Such a radius is likely in another unit. */
-static void check_ball_size(const inspection *c)
-{
-    const double diameter = 2 * c->def->ball.radius, spacing = c->filling->spacing;
-    if (!(diameter < spacing))
-        return;
-    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_TOO_SMALL);
-    warning.value = diameter;
-    warning.limit = spacing;
-    char radius[32], apart[32], least[32];
-    rheo__warn(c->warnings, warning,
-               "the ball falls between the particles: ball.radius is %s, and they are %s apart; is it in the unit of "
-               "fluid.spacing? It should be %s or more",
-               rheo__text_brief(c->def->ball.radius, 3, false, radius), rheo__text_brief(spacing, 3, false, apart),
-               rheo__text_brief(2 * spacing, 2, false, least));
-}
-
-static void check_ball_at_walls(const inspection *c)
-{
-    const uint32_t walls = c->def->walls.count;
-    bool told[RHEO_MAX_WALLS] = {false};
-    for (uint32_t a = 0; a < walls; a++) {
-        for (uint32_t b = a + 1; b < walls; b++)
-            if (!fits_between(c, a, b))
-                told[a] = told[b] = true;
-        check_ball_at_wall(c, a, told[a]);
-    }
-}
-
-void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings)
-{
-    const inspection c = {.filling = filling, .def = def, .warnings = warnings};
-    /* Of a rough surface a few particles stand out by less. */
-    const double radius = def->ball.radius, reach = radius - filling->spacing / 2;
-    double nearest = reach, rise = 0; /* rise: to a place above all particles */
-    uint64_t inside = 0;
-    for (size_t i = 0; reach > 0 && i < def->particles.count; i++) {
-        double x[3];
-        position_of(&c, i, x);
-        for (int axis = 0; axis < 3; axis++)
-            x[axis] -= def->ball.position[axis];
-        const double distance = length_of(x), below = radius * radius - x[0] * x[0] - x[2] * x[2],
-                     up = below > 0 ? x[1] + sqrt(below) : 0;
-        inside += distance < reach;
-        nearest = distance < nearest ? distance : nearest;
-        rise = up > rise ? up : rise;
-    }
-    if (inside == 0)
-        return;
-    const double clearance = filling->scene->ball.clearance;
-    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_IN_FLUID);
-    warning.count = inside;
-    warning.value = radius - nearest;
-    warning.limit = filling->spacing / 2;
-    char cure[96], deep[32], number[32];
-    rheo__text_brief(clearance >= 0 ? clearance + rise : rise, 4, false, number);
-    if (clearance >= 0)
-        snprintf(cure, sizeof cure, "set ball.clearance to %s", number);
-    else
-        snprintf(cure, sizeof cure, "raise ball.position by %s, or set ball.clearance to 0 or more", number);
-    rheo__warn(warnings, warning,
-               "%llu particle%s inside the ball, up to %s below its surface, and will be thrown out; %s",
-               (unsigned long long)inside, inside == 1 ? " begins" : "s begin",
-               rheo__text_brief(warning.value, 3, false, deep), cure);
-}
-
 /* ---- Public ---- */
 
 rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings,
@@ -461,10 +344,7 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
     for (uint32_t s = 0; s < filling->scene->fill_count; s++)
         check_speed(&c, s);
     check_plates(&c);
-    if (def->ball.radius > 0) {
-        check_ball_size(&c);
-        check_ball_at_walls(&c);
-    }
+    rheo__check_balls_at_walls(filling, def, warnings);
     if (warnings->refusals_only)
         return RHEO_OK;
     rheo__check_crowding(filling, def, warnings);

@@ -29,7 +29,7 @@ void rheo__warn(rheo__warnings *warnings, rheo_warning warning, const char *form
 rheo_result rheo__refuse(const rheo__warnings *warnings, rheo_error *error);
 
 /*
- * Examines parameters, shapes and walls, and the ball at them. The particles of *def are those of the filling, not yet
+ * Examines parameters, shapes and walls, and the balls at them. The particles of *def are those of the filling, not yet
  * settled. RHEO_ERROR_MEMORY.
  */
 rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings,
@@ -39,10 +39,11 @@ rheo_result rheo__check_overlaps(const rheo__filling *filling, const rheo_world_
                                  rheo_error *error);
 /* The part of it that compares the density with that at rest (scenes/crowding.c). */
 void rheo__check_crowding(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
-/* Examines the ball at its place among the particles of *def. */
-void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
+/* Examines balls at their places (scenes/check_balls.c): their size and the walls; then particles of *def, and other balls. */
+void rheo__check_balls_at_walls(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
+void rheo__check_balls(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
 
-/* Speed with which the ball arrives at the fluid, after its fall; 0 without a ball (scenes/preflight.c). */
+/* Speed with which the fastest ball arrives at the fluid, after its fall; 0 without a ball (scenes/preflight.c). */
 double rheo__arrival_speed(const rheo__filling *filling, const rheo_world_def *def);
 
 /* ---- Advice (scenes/cure.c) ---- */
@@ -55,6 +56,14 @@ bool rheo__scene_bears(const rheo_scene *scene, const char *set);
 
 /* ---- Making ---- */
 
+/* Clearance of the ball with this index. */
+static inline double rheo__ball_clearance(const rheo_scene *scene, uint32_t index)
+{
+    return index ? scene->balls.clearance[index - 1] : scene->ball.clearance;
+}
+/* Distance from a wall, negative behind it. n: its unit normal. */
+double rheo__wall_distance(const rheo_wall *wall, const double x[3], double n[3]);
+
 /* Checks all parameters, and sets *def to the definition at the scene's resolution. */
 rheo_result rheo__scene_check_parameters(const rheo_scene *scene, rheo_world_def *def, rheo_error *error);
 
@@ -62,10 +71,10 @@ rheo_result rheo__scene_check_parameters(const rheo_scene *scene, rheo_world_def
 rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rheo__warnings *warnings,
                          rheo_world **settled, rheo_error *error);
 /*
- * Sets the height of the ball above the particles of *def, if the scene gives its clearance, and their number density,
+ * Sets the heights of balls above the particles of *def, if the scene gives their clearance, and their number density,
  * if the definition gives none.
  */
-rheo_result rheo__place_ball(const rheo_scene *scene, const rheo_allocator *allocator, rheo_world_def *def,
-                             rheo_error *error);
+rheo_result rheo__place_balls(const rheo_scene *scene, const rheo_allocator *allocator, rheo_world_def *def,
+                              rheo_error *error);
 
 #endif

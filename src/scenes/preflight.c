@@ -22,18 +22,23 @@ static double top_of(const rheo__filling *filling)
     return top;
 }
 
-/* How far the ball falls until it meets the fluid, L. */
-static double fall_of_ball(const rheo__filling *filling, const rheo_world_def *def)
+/* How far a ball falls until it meets the fluid, L. */
+static double fall_of_ball(const rheo__filling *filling, const rheo_ball *ball, double clearance)
 {
-    const double clearance = filling->scene->ball.clearance,
-                 below = def->ball.position[1] - def->ball.radius - top_of(filling);
-    return def->ball.radius > 0 ? larger(clearance >= 0 ? clearance : below, 0) : 0;
+    const double below = ball->position[1] - ball->radius - top_of(filling);
+    return ball->radius > 0 ? larger(clearance >= 0 ? clearance : below, 0) : 0;
 }
 
 double rheo__arrival_speed(const rheo__filling *filling, const rheo_world_def *def)
 {
-    const double *v = def->ball.velocity, *g = def->gravity, gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + 2 * gravity * fall_of_ball(filling, def));
+    const double *g = def->gravity, gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    double fastest = 0;
+    for (uint32_t i = 0; i <= def->balls.count; i++) {
+        const rheo_ball *ball = rheo__ball_of(def, i);
+        const double *v = ball->velocity, fall = fall_of_ball(filling, ball, rheo__ball_clearance(filling->scene, i));
+        fastest = larger(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + 2 * gravity * fall));
+    }
+    return fastest;
 }
 
 static rheo__start start_of(const rheo__filling *filling, const rheo_world_def *def)

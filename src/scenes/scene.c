@@ -126,7 +126,7 @@ static rheo_result make_particles(const rheo_scene *scene, rheo_world_def *def, 
         RHEO__TRY(rheo_world_def_check(def, error));
     RHEO__TRY(fill(m, def, error));
     rheo_world_def placed = *def;
-    RHEO__TRY(rheo__place_ball(scene, &m->allocator, &placed, error));
+    RHEO__TRY(rheo__place_balls(scene, &m->allocator, &placed, error));
     if (def->obstacles.count)
         rheo__check_obstacles(&m->obstacles, &m->filling, def, warnings);
     return rheo__check_filled(&m->filling, &placed, warnings, error);
@@ -165,8 +165,8 @@ static rheo_result make(const rheo_scene *scene, rheo_world_def def, making *m, 
     RHEO__TRY(rheo__refuse(&warnings, error));
     if (scene->settle.time > 0)
         RHEO__TRY(settle(scene, &def, m, &warnings, error));
-    RHEO__TRY(rheo__place_ball(scene, &m->allocator, &def, error));
-    rheo__check_ball(&m->filling, &def, &warnings);
+    RHEO__TRY(rheo__place_balls(scene, &m->allocator, &def, error));
+    rheo__check_balls(&m->filling, &def, &warnings);
     RHEO__TRY(rheo_world_def_check(&def, error));
     return rheo__world_make(&def, rheo__world_features(&def), world, error); /* its warnings have been given */
 }
@@ -206,9 +206,9 @@ rheo_result rheo_scene_warnings(const rheo_scene *scene, rheo_warning *warnings,
     rheo__warnings found = {.list = warnings, .capacity = capacity};
     rheo_result result = make_particles(scene, &def, &m, &found, error);
     if (result == RHEO_OK)
-        result = rheo__place_ball(scene, &m.allocator, &def, error);
+        result = rheo__place_balls(scene, &m.allocator, &def, error);
     if (result == RHEO_OK)
-        rheo__check_ball(&m.filling, &def, &found);
+        rheo__check_balls(&m.filling, &def, &found);
     release(&m);
     *count = found.count;
     return result;

@@ -118,6 +118,7 @@ rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rhe
 {
     rheo_world_def still = *def;
     still.ball.radius = 0;
+    still.balls.count = 0;
     still.vibrators.count = 0;
     still.plates.control = RHEO_PLATES_VELOCITY; /* the plates rest */
     still.plates.velocity[0] = still.plates.velocity[1] = still.plates.velocity[2] = 0;

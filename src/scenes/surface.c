@@ -120,8 +120,8 @@ static bool find_surface(const rheo_allocator *allocator, const rheo_real *posit
     return enough;
 }
 
-rheo_result rheo__place_ball(const rheo_scene *scene, const rheo_allocator *allocator, rheo_world_def *def,
-                             rheo_error *error)
+rheo_result rheo__place_balls(const rheo_scene *scene, const rheo_allocator *allocator, rheo_world_def *def,
+                              rheo_error *error)
 {
     surface found;
     if (!(def->ball.radius > 0))
@@ -131,7 +131,11 @@ rheo_result rheo__place_ball(const rheo_scene *scene, const rheo_allocator *allo
                           def->particles.count);
     if (def->fluid.number_density == 0)
         def->fluid.number_density = found.number_density;
-    if (scene->ball.clearance >= 0)
-        def->ball.position[1] = found.height + scene->ball.clearance + def->ball.radius;
+    for (uint32_t i = 0; i <= def->balls.count; i++) {
+        rheo_ball *ball = i ? &def->balls.list[i - 1] : &def->ball;
+        const double clearance = rheo__ball_clearance(scene, i);
+        if (clearance >= 0)
+            ball->position[1] = found.height + clearance + ball->radius;
+    }
     return RHEO_OK;
 }

@@ -21,6 +21,8 @@
 enum { ROUNDS = 4 }; /* contacts that pull are dropped, and the equations are solved again, at most so often */
 
 typedef struct constants {
+    uint32_t index; /* of the ball */
+    rheo_real *position, *velocity, *spin;
     double radius, surface, reach, mass, inertia, share, substep; /* surface: radius at which particles are stopped */
 } constants;
 
@@ -29,25 +31,13 @@ typedef struct equations {
     double a[6][6], b[6];
 } equations;
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* Unit vector from the centre of the ball to a particle; upwards for a particle in the centre. Returns the distance. */
-static double outward(const rheo__state *s, uint32_t id, double n[3])
+static double outward(const rheo__state *s, uint32_t id, const constants *c, double n[3])
 {
     const rheo_real *x = s->position + 3 * (size_t)id;
     for (int axis = 0; axis < 3; axis++)
-        n[axis] = (double)x[axis] - (double)s->ball_position[axis];
-    const double length = __builtin_sqrt(dot(n, n));
+        n[axis] = (double)x[axis] - (double)c->position[axis];
+    const double length = __builtin_sqrt(rheo__dot_double(n, n));
     for (int axis = 0; axis < 3; axis++)
         n[axis] = length > 0 ? n[axis] / length : axis == 1;
     return length;
@@ -58,12 +48,12 @@ static rheo__touch contact(const rheo__state *s, uint32_t id, const constants *c
 {
     const rheo_real *v = s->velocity + 3 * (size_t)id;
     rheo__touch touch = {.id = id};
-    touch.distance = outward(s, id, touch.normal);
+    touch.distance = outward(s, id, c, touch.normal);
     const double overlap = c->surface - touch.distance;
     double approach = 0;
     for (int axis = 0; axis < 3; axis++) {
         touch.velocity += touch.normal[axis] * (double)v[axis];
-        approach += touch.normal[axis] * ((double)v[axis] - (double)s->ball_velocity[axis]);
+        approach += touch.normal[axis] * ((double)v[axis] - (double)c->velocity[axis]);
     }
     const double slowed = approach + overlap / c->substep;
     touch.target = slowed < 0 ? slowed : 0;
@@ -81,7 +71,7 @@ static bool find(const rheo__state *s, rheo__solids *solids, const constants *c,
     uint32_t count = 0;
     for (uint32_t first = 0; first < s->particles; first += RHEO__NEAR_AT_ONCE) {
         const uint32_t left = s->particles - first, tested = left < RHEO__NEAR_AT_ONCE ? left : RHEO__NEAR_AT_ONCE;
-        uint64_t near = near_of(s->position + 3 * (size_t)first, tested, s->ball_position, reach2);
+        uint64_t near = near_of(s->position + 3 * (size_t)first, tested, c->position, reach2);
         for (; near; near &= near - 1) {
             void *more = solids->touch;
             if (!rheo__grow(&solids->allocator, &more, &solids->touch_capacity, (size_t)count + 1, count,
@@ -112,7 +102,7 @@ static void add_contact(equations *e, const rheo__state *s, const rheo__touch *t
     const double pushes = touch->active ? 1 : 0, normal = pushes * (touch->velocity - touch->target);
     sliding(s, touch, tangential);
     for (int i = 0; i < 3; i++)
-        turn[i] = dot(arm[i], tangential);
+        turn[i] = rheo__dot_double(arm[i], tangential);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
             const double along = (i == j) - n[i] * n[j];
@@ -156,9 +146,9 @@ static void collide(const rheo__state *s, rheo__solids *solids, uint32_t count, 
         equations e = {{{0}}, {0}};
         for (int axis = 0; axis < 3; axis++) {
             e.a[axis][axis] = c->mass;
-            e.b[axis] = c->mass * (double)s->ball_velocity[axis];
+            e.b[axis] = c->mass * (double)c->velocity[axis];
             e.a[3 + axis][3 + axis] = c->inertia;
-            e.b[3 + axis] = c->inertia * (double)s->ball_spin[axis];
+            e.b[3 + axis] = c->inertia * (double)c->spin[axis];
         }
         for (uint32_t k = 0; k < count; k++)
             add_contact(&e, s, &solids->touch[k], c);
@@ -168,7 +158,8 @@ static void collide(const rheo__state *s, rheo__solids *solids, uint32_t count, 
         bool changed = false;
         for (uint32_t k = 0; k < count; k++) {
             rheo__touch *touch = &solids->touch[k];
-            const bool pushes = touch->overlaps && touch->target + dot(touch->normal, result) > touch->velocity;
+            const bool pushes =
+                touch->overlaps && touch->target + rheo__dot_double(touch->normal, result) > touch->velocity;
             if (round + 1 < ROUNDS && pushes != touch->active) {
                 touch->active = pushes;
                 changed = true;
@@ -185,12 +176,13 @@ static void push(rheo__state *s, const rheo__touch *touch, const constants *c, c
     const double *n = touch->normal;
     rheo_real *x = s->position + 3 * (size_t)touch->id, *v = s->velocity + 3 * (size_t)touch->id;
     const double arm[3] = {touch->distance * n[0], touch->distance * n[1], touch->distance * n[2]};
-    const double ball = dot(n, result), impulse = touch->active ? touch->target + ball - touch->velocity : 0;
+    const double ball = rheo__dot_double(n, result),
+                 impulse = touch->active ? touch->target + ball - touch->velocity : 0;
     const bool accounts = rheo__has_account(s) && s->account->id == touch->id;
     double tangential[3], surface[3], direction[3];
     rheo_real gain[3], shift[3];
     sliding(s, touch, tangential);
-    cross(result + 3, arm, surface);
+    rheo__cross_double(result + 3, arm, surface);
     for (int axis = 0; axis < 3; axis++) {
         const double slide = tangential[axis] - (result[axis] - ball * n[axis]) - surface[axis];
         const double change = impulse * n[axis] - c->share * slide;
@@ -200,24 +192,28 @@ static void push(rheo__state *s, const rheo__touch *touch, const constants *c, c
         x[axis] += shift[axis];
     }
     if (accounts) {
-        rheo__account_add(s, RHEO__FIELD_velocity, RHEO_SOURCE_BALL, 0, gain[0], gain[1], gain[2]);
-        rheo__account_add(s, RHEO__FIELD_position, RHEO_SOURCE_BALL, 0, shift[0], shift[1], shift[2]);
+        rheo__account_add(s, RHEO__FIELD_velocity, RHEO_SOURCE_BALL, c->index, gain[0], gain[1], gain[2]);
+        rheo__account_add(s, RHEO__FIELD_position, RHEO_SOURCE_BALL, c->index, shift[0], shift[1], shift[2]);
     }
-    if (!(outward(s, touch->id, direction) < c->surface))
+    if (!(outward(s, touch->id, c, direction) < c->surface))
         return;
     for (int axis = 0; axis < 3; axis++)
-        x[axis] = (rheo_real)((double)s->ball_position[axis] + c->surface * direction[axis]);
+        x[axis] = (rheo_real)((double)c->position[axis] + c->surface * direction[axis]);
     if (accounts)
-        rheo__account_set(s, RHEO__FIELD_position, RHEO_SOURCE_BALL, 0, x[0], x[1], x[2]);
+        rheo__account_set(s, RHEO__FIELD_position, RHEO_SOURCE_BALL, c->index, x[0], x[1], x[2]);
 }
 
-rheo_result rheo__stage_ball(rheo__state *s, void *context)
+/* False: no memory. */
+static bool touch(rheo__state *s, rheo__solids *solids, uint32_t index)
 {
-    rheo__solids *solids = context;
-    const rheo_world_def *def = solids->def;
-    const double radius = def->ball.radius, mass = (double)solids->ball_mass, substep = (double)*solids->substep;
-    const double friction = def->ball.friction * substep;
-    const constants c = {.radius = radius,
+    const rheo_ball *ball = rheo__ball_of(solids->def, index);
+    const double radius = ball->radius, mass = (double)solids->ball_mass[index], substep = (double)*solids->substep;
+    const double friction = ball->friction * substep;
+    const constants c = {.index = index,
+                         .position = s->ball_position + 3 * (size_t)index,
+                         .velocity = s->ball_velocity + 3 * (size_t)index,
+                         .spin = s->ball_spin + 3 * (size_t)index,
+                         .radius = radius,
                          .surface = radius + solids->ball_distance,
                          .reach = radius + solids->friction_distance,
                          .mass = mass,
@@ -226,17 +222,25 @@ rheo_result rheo__stage_ball(rheo__state *s, void *context)
                          .substep = substep};
     uint32_t count;
     if (!find(s, solids, &c, &count))
-        return RHEO_ERROR_MEMORY;
+        return false;
     if (count == 0)
-        return RHEO_OK;
+        return true;
     double result[6];
     collide(s, solids, count, &c, result);
     for (int axis = 0; axis < 3; axis++) {
-        s->ball_position[axis] += (rheo_real)(c.substep * (result[axis] - (double)s->ball_velocity[axis]));
-        s->ball_velocity[axis] = (rheo_real)result[axis];
-        s->ball_spin[axis] = (rheo_real)result[3 + axis];
+        c.position[axis] += (rheo_real)(c.substep * (result[axis] - (double)c.velocity[axis]));
+        c.velocity[axis] = (rheo_real)result[axis];
+        c.spin[axis] = (rheo_real)result[3 + axis];
     }
     for (uint32_t k = 0; k < count; k++)
         push(s, &solids->touch[k], &c, result);
+    return true;
+}
+
+rheo_result rheo__stage_ball(rheo__state *s, void *context)
+{
+    for (uint32_t index = 0; index < s->bodies; index++)
+        if (!touch(s, context, index))
+            return RHEO_ERROR_MEMORY;
     return RHEO_OK;
 }

@@ -1,5 +1,5 @@
 /*
- * Stage ball_push: a periodic push of the ball, as by the leg of a runner (docs/model.md, Push). In each period 1/f the
+ * Stage ball_push: a periodic push of each ball, as by the leg of a runner (docs/model.md, Push). In each period 1/f the
  * ball is accelerated by half a sine during the share `duty` of the period, and not in the rest. With p the phase in
  * turns and a (ball.push) the mean over a period:
  *
@@ -22,14 +22,21 @@ static double given_until(double phase, double duty)
     return 0.5 - 0.5 * rheo__cos_turns(0.5 * (share < 1 ? share : 1));
 }
 
-rheo_result rheo__stage_ball_push(rheo__state *s, void *context)
+static void push(rheo__state *s, const rheo_world_def *def, uint32_t index)
 {
-    const rheo_world_def *def = ((rheo__solids *)context)->def;
-    const double frequency = def->ball.push_frequency, duty = def->ball.push_duty, start = *s->ball_push_phase,
+    rheo_real *v = s->ball_velocity + 3 * (size_t)index;
+    const rheo_ball *ball = rheo__ball_of(def, index);
+    const double frequency = ball->push_frequency, duty = ball->push_duty, start = s->ball_push_phase[index],
                  end = start + frequency * def->step, whole = (double)(uint64_t)end; /* at most 1e18 */
     const double periods = whole + given_until(end - whole, duty) - given_until(start, duty);
     for (int axis = 0; axis < 3; axis++)
-        s->ball_velocity[axis] += (rheo_real)(def->ball.push[axis] / frequency * periods);
-    *s->ball_push_phase = end - whole;
+        v[axis] += (rheo_real)(ball->push[axis] / frequency * periods);
+    s->ball_push_phase[index] = end - whole;
+}
+
+rheo_result rheo__stage_ball_push(rheo__state *s, void *context)
+{
+    for (uint32_t index = 0; index < s->bodies; index++)
+        push(s, ((rheo__solids *)context)->def, index);
     return RHEO_OK;
 }

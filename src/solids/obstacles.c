@@ -243,7 +243,7 @@ rheo_result rheo__stage_obstacles(rheo__state *s, void *context)
         const moving m = move(s, solids, i);
         stop_particles(s, solids, &m);
         for (uint32_t body = 0; body < s->bodies; body++)
-            stop_ball(s, &m, body, def->ball.radius, def->ball.friction);
+            stop_ball(s, &m, body, rheo__ball_of(def, body)->radius, rheo__ball_of(def, body)->friction);
     }
     return RHEO_OK;
 }

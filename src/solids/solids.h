@@ -1,4 +1,4 @@
-/* Solids: plane walls, obstacles, a rigid ball, vibrators in the floor. Declarations shared by their stages. */
+/* Solids: plane walls, obstacles, rigid balls, vibrators in the floor. Declarations shared by their stages. */
 #ifndef RHEO__SOLIDS_SOLIDS_H
 #define RHEO__SOLIDS_SOLIDS_H
 
@@ -28,17 +28,17 @@ typedef struct rheo__solids {
     uint32_t obstacles;
 
     /* Set by the model. */
-    const rheo_real *substep;       /* duration of a substep */
-    rheo_real wall_distance;        /* walls stop particles closer than this */
-    rheo_real ball_mass;            /* in masses of particles */
-    double ball_distance;           /* the ball stops particles closer than this to its surface, */
-    double friction_distance;       /* and slows those closer than this */
-    const rheo_real *wall_friction; /* derived: by id, unit 1; NULL if fluid does not stick to walls */
+    const rheo_real *substep;            /* duration of a substep */
+    rheo_real wall_distance;             /* walls stop particles closer than this */
+    rheo_real ball_mass[RHEO_MAX_BALLS]; /* in masses of particles */
+    double ball_distance;                /* the ball stops particles closer than this to its surface, */
+    double friction_distance;            /* and slows those closer than this */
+    const rheo_real *wall_friction;      /* derived: by id, unit 1; NULL if fluid does not stick to walls */
 
-    double
-        ball_max_speed; /* derived in a step, which begins with 0: largest speed before contact; no stage reads it */
+    /* Derived in a step, which begins with 0: largest speeds before contact; no stage reads them. */
+    double ball_max_speed[RHEO_MAX_BALLS];
 
-    rheo__touch *touch; /* derived: the particles that touch the ball, by ascending id */
+    rheo__touch *touch; /* derived: the particles that touch a ball, by ascending id */
     size_t touch_capacity;
 
     rheo_real max_bump;                      /* upper bound of the height of the raised floor */
@@ -60,12 +60,22 @@ void rheo__vibrators_begin(const rheo__solids *solids, rheo__state *s);
 
 /* The stages. */
 rheo__stage_function rheo__stage_vibrators, rheo__stage_ball_push, rheo__stage_ball_motion, rheo__stage_ball,
-    rheo__stage_obstacles;
+    rheo__stage_balls, rheo__stage_obstacles;
 RHEO__DECLARE_SIMD_STAGE(walls)
 
 static inline rheo_real rheo__dot(const rheo_real a[3], const rheo_real b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static inline double rheo__dot_double(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static inline void rheo__cross_double(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
 }
 static inline void rheo__cross(const rheo_real a[3], const rheo_real b[3], rheo_real out[3])
 {

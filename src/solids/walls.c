@@ -6,7 +6,7 @@
  *     tangential:          v_t' = v_t/(1 + tau c_b wall_friction), so that stiff fluid sticks
  *
  * Changes of velocity displace, too: by tau times the change. Overlap that is left is removed without velocity. The
- * ball stops at walls without bouncing; friction at the contact turns it.
+ * balls stop at walls without bouncing; friction at the contact turns them.
  */
 #include "core/account_lanes.h"
 #include "solids/solids.h"
@@ -17,7 +17,6 @@ static const rheo_real MOST_STICK = RHEO__R(1e30);
 typedef struct constants {
     rheo_real substep, sticking;
     rheo_real vibrator_radius2, amplitude;
-    rheo_real ball_radius, ball_share; /* share of the ball's sliding that a substep stops */
 } constants;
 
 /* Height of the raised floor at points (x, z), and its rate. */
@@ -109,12 +108,16 @@ static void stop_particles(const rheo__state *s, const rheo__solids *solids, con
     rheo__lanes_store_triples(velocity, v);
 }
 
-static void stop_ball(rheo__state *s, const rheo__solids *solids, const constants *c, uint32_t wall)
+static void stop_ball(rheo__state *s, const rheo__solids *solids, const constants *c, uint32_t wall, uint32_t index)
 {
+    const rheo_ball *ball = rheo__ball_of(solids->def, index);
+    const rheo_real radius = (rheo_real)ball->radius, rubbing = (rheo_real)ball->friction * c->substep,
+                    ball_share = rubbing / (1 + rubbing); /* of the ball's sliding that a substep stops */
     const rheo__plane *plane = &solids->planes->plane[wall];
-    rheo_real *x = s->ball_position, *v = s->ball_velocity, *spin = s->ball_spin;
+    rheo_real *x = s->ball_position + 3 * (size_t)index, *v = s->ball_velocity + 3 * (size_t)index,
+              *spin = s->ball_spin + 3 * (size_t)index;
     const rheo_real *n = plane->normal;
-    rheo_real distance = rheo__plane_distance(plane, x[0], x[1], x[2]) - c->ball_radius, rate = 0;
+    rheo_real distance = rheo__plane_distance(plane, x[0], x[1], x[2]) - radius, rate = 0;
     if (wall == solids->vibrating_wall) {
         rheo__lanes height, rates;
         floor_bump(s, solids, c, rheo__lanes_all(x[0]), rheo__lanes_all(x[2]), &height, &rates);
@@ -130,7 +133,7 @@ static void stop_ball(rheo__state *s, const rheo__solids *solids, const constant
     for (int axis = 0; axis < 3; axis++) {
         v[axis] += change * n[axis];
         x[axis] += (c->substep * change + left) * n[axis];
-        arm[axis] = -c->ball_radius * n[axis];
+        arm[axis] = -radius * n[axis];
     }
     if (!(change > 0))
         return;
@@ -138,14 +141,14 @@ static void stop_ball(rheo__state *s, const rheo__solids *solids, const constant
     for (int axis = 0; axis < 3; axis++)
         slide[axis] = v[axis] + surface[axis];
     /* A ball that slides reacts at its contact like a mass of 2/7 of its own. */
-    const rheo_real into = rheo__dot(n, slide), share = c->ball_share / RHEO__R(3.5);
+    const rheo_real into = rheo__dot(n, slide), share = ball_share / RHEO__R(3.5);
     for (int axis = 0; axis < 3; axis++)
         slide[axis] = -share * (slide[axis] - into * n[axis]);
     rheo__cross(arm, slide, turn);
     for (int axis = 0; axis < 3; axis++) {
         v[axis] += slide[axis];
         x[axis] += c->substep * slide[axis];
-        spin[axis] += RHEO__R(2.5) * turn[axis] / (c->ball_radius * c->ball_radius);
+        spin[axis] += RHEO__R(2.5) * turn[axis] / (radius * radius);
     }
 }
 
@@ -154,13 +157,11 @@ rheo_result RHEO__VARIANT(stage_walls)(rheo__state *s, void *context)
     const rheo__solids *solids = context;
     const rheo_world_def *def = solids->def;
     const rheo_real vibrator_radius = (rheo_real)def->vibrators.radius;
-    const rheo_real substep = *solids->substep, rubbing = (rheo_real)def->ball.friction * substep;
+    const rheo_real substep = *solids->substep;
     const constants c = {.substep = substep,
                          .sticking = (rheo_real)def->walls.sticking,
                          .vibrator_radius2 = vibrator_radius * vibrator_radius,
-                         .amplitude = (rheo_real)def->vibrators.amplitude,
-                         .ball_radius = (rheo_real)def->ball.radius,
-                         .ball_share = rubbing / (1 + rubbing)};
+                         .amplitude = (rheo_real)def->vibrators.amplitude};
     const uint32_t left = s->particles % RHEO__LANES, whole = s->particles - left;
     for (uint32_t id = 0; id < whole; id += RHEO__LANES)
         stop_particles(s, solids, &c, id, s->position + 3 * (size_t)id, s->velocity + 3 * (size_t)id,
@@ -176,7 +177,8 @@ rheo_result RHEO__VARIANT(stage_walls)(rheo__state *s, void *context)
         memcpy(s->position + 3 * (size_t)whole, x, bytes);
         memcpy(s->velocity + 3 * (size_t)whole, v, bytes);
     }
-    for (uint32_t w = 0; w < solids->planes->count && s->bodies; w++)
-        stop_ball(s, solids, &c, w);
+    for (uint32_t index = 0; index < s->bodies; index++)
+        for (uint32_t w = 0; w < solids->planes->count; w++)
+            stop_ball(s, solids, &c, w, index);
     return RHEO_OK;
 }

@@ -9,6 +9,8 @@
  */
 #include "thickening/continuum.h"
 
+#include "core/state.h"
+
 #include "core/strict.h"
 
 static const double PI = 3.14159265358979323846;
@@ -96,10 +98,11 @@ double rheo__number_density(const rheo_world_def *def)
                                                   : 1 / (spacing * spacing * spacing);
 }
 
-double rheo__ball_mass(const rheo_world_def *def)
+double rheo__ball_mass(const rheo_world_def *def, uint32_t index)
 {
-    const double radius = def->ball.radius;
-    return def->ball.density_ratio * (4.0 / 3.0 * PI * radius * radius * radius) * rheo__number_density(def);
+    const rheo_ball *ball = rheo__ball_of(def, index);
+    const double radius = ball->radius;
+    return ball->density_ratio * (4.0 / 3.0 * PI * radius * radius * radius) * rheo__number_density(def);
 }
 
 /* At least 1 unless it is 0; rounded up. */
@@ -123,6 +126,8 @@ void rheo__thickening_refine(rheo_world_def *def, double f)
     def->fluid.stiffness *= f;
     def->fluid.near_stiffness *= f;
     def->ball.friction *= f;
+    for (uint32_t i = 0; i < def->balls.count; i++)
+        def->balls.list[i].friction *= f;
     def->walls.sticking *= f;
     if (def->scheme == RHEO_SCHEME_POSITIONS) {
         def->positions.iterations = times(def->positions.iterations, f * f);

@@ -47,8 +47,8 @@ bool rheo__continuum_at_rest(const rheo_world_def *def, rheo__continuum *fluid);
 
 /* Particles per volume: given, that of fluid at rest, or 1/spacing^3 if there is none. Unit 1/L^3. */
 double rheo__number_density(const rheo_world_def *def);
-/* Mass of the ball, in masses of particles. */
-double rheo__ball_mass(const rheo_world_def *def);
+/* Mass of a ball, in masses of particles. */
+double rheo__ball_mass(const rheo_world_def *def, uint32_t index);
 
 /* The same material with particles `resolution` times as close, which is above 0 (docs/model.md, Spacing). */
 void rheo__thickening_refine(rheo_world_def *def, double resolution);

@@ -94,7 +94,6 @@ static bool any_within(rheo__lanes3 x, const rheo_real centre[3], rheo_real reac
 RHEO__FOR_EACH_CASE bool sum_all(rheo__state *s, rheo__thickening *t, const rheo_real *rest_length, pass does,
                                  const constants *c, size_t *ends)
 {
-    const rheo_real reach = rheo__wetting_reach(s, t);
     const arrays a = {t->point, t->pairs->partner, rest_length, s->springs.rest_length, t->density};
     const rheo__lanes zero = rheo__lanes_all(0);
     totals all = {.closest = rheo__lanes_all(c->support)};
@@ -103,8 +102,10 @@ RHEO__FOR_EACH_CASE bool sum_all(rheo__state *s, rheo__thickening *t, const rheo
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         rheo__wide_point *own_point = a.point + rank;
         const rheo__wide_lanes row = rheo__lanes_load_wide_row(own_point);
-        if (reach > 0 && any_within(row.at, s->ball_position, reach) && !rheo__wetting_find(s, t, rank, RHEO__LANES))
-            return false;
+        for (uint32_t ball = 0; ball < s->bodies; ball++)
+            if (any_within(row.at, s->ball_position + 3 * (size_t)ball, rheo__wetting_reach(t, ball)) &&
+                !rheo__wetting_find(s, t, ball, rank, RHEO__LANES))
+                return false;
         sums own = {zero, zero, zero};
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
         add_pair(&own, &all, &a, entry, &row, does, c);

@@ -3,7 +3,7 @@
  *
  *     n_i = min(step' (speed + |g| step), most)
  *
- * where speed is relative to the mean velocity, or the ball's if that is larger and the ball may hit the particle.
+ * where speed is relative to the mean velocity, or that of a ball if that is larger and the ball may hit the particle.
  */
 #include "thickening/margins.h"
 
@@ -17,9 +17,12 @@ static rheo__lanes length2(rheo__lanes3 a, const rheo_real *less)
 
 static rheo__lanes need_of_step(const rheo__motion *m, rheo__lanes3 x, rheo__lanes3 v)
 {
-    const rheo__lanes of_ball = rheo__lanes_keep_less(length2(x, m->ball), rheo__lanes_all(m->near2),
-                                                      rheo__lanes_all(m->ball2)),
-                      speed2 = rheo__lanes_max(length2(v, m->velocity), of_ball);
+    rheo__lanes speed2 = length2(v, m->velocity);
+    for (uint32_t ball = 0; ball < m->balls; ball++) {
+        const rheo__lanes of_ball = rheo__lanes_keep_less(length2(x, m->ball[ball]), rheo__lanes_all(m->near2[ball]),
+                                                          rheo__lanes_all(m->ball2[ball]));
+        speed2 = rheo__lanes_max(speed2, of_ball);
+    }
     return rheo__lanes_min(m->step * (rheo__lanes_sqrt(speed2) + m->fall), rheo__lanes_all(m->most));
 }
 

@@ -12,8 +12,9 @@
 typedef struct rheo__motion {
     rheo_real velocity[3], displacement[3]; /* mean velocity, and mean displacement since the list was made */
     rheo_real fall, step, most;             /* |g| step, a part of the step, and the most that a step may need */
-    rheo_real ball[3], ball2;               /* position and squared speed of the ball */
-    rheo_real near2; /* it may hit particles within this squared distance; -1: there is no ball */
+    uint32_t balls;
+    /* Positions and squared speeds of balls; they may hit particles within these squared distances. */
+    rheo_real ball[RHEO_MAX_BALLS][3], ball2[RHEO_MAX_BALLS], near2[RHEO_MAX_BALLS];
 } rheo__motion;
 
 /* Whether no particle can use up its margin in the coming step. A margin of 0 asks for another list. */

@@ -45,17 +45,18 @@ static rheo__motion find_motion(const rheo__state *s, const rheo__thickening *t)
     rheo__motion m = {.fall = (rheo_real)(def->step * __builtin_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])),
                       .step = (rheo_real)(STRAIGHT * def->step),
                       .most = (rheo_real)(RHEO__MOST_MARGIN * h),
-                      .near2 = -1};
+                      .balls = s->bodies};
     mean_of(s->velocity, NULL, s->particles, m.velocity);
     mean_of(s->position, s->list_position, s->particles, m.displacement);
     if (s->obstacles) /* any particle may be pushed by one */
         m.fall += (rheo_real)t->obstacle_speed;
-    if (s->bodies) {
-        const rheo_real *v = s->ball_velocity;
-        m.ball2 = rheo__length2(v[0] - m.velocity[0], v[1] - m.velocity[1], v[2] - m.velocity[2]);
-        const rheo_real near = (rheo_real)(def->ball.radius + h) + (rheo_real)def->step * rheo__sqrt(m.ball2);
-        m.near2 = near * near;
-        memcpy(m.ball, s->ball_position, sizeof m.ball);
+    for (uint32_t i = 0; i < s->bodies; i++) {
+        const rheo_real *v = s->ball_velocity + 3 * (size_t)i;
+        m.ball2[i] = rheo__length2(v[0] - m.velocity[0], v[1] - m.velocity[1], v[2] - m.velocity[2]);
+        const rheo_real near =
+            (rheo_real)(rheo__ball_of(def, i)->radius + h) + (rheo_real)def->step * rheo__sqrt(m.ball2[i]);
+        m.near2[i] = near * near;
+        memcpy(m.ball[i], s->ball_position + 3 * (size_t)i, sizeof m.ball[i]);
     }
     return m;
 }

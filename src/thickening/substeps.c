@@ -47,14 +47,16 @@ uint64_t rheo__thickening_least_substeps(const rheo_world_def *def)
     return def->substeps ? def->substeps : rheo__substeps_for(def, 0, 0);
 }
 
-/* The fastest particle, or the ball or an obstacle: they drive the fluid before them. */
+/* The fastest particle, ball or obstacle: they drive the fluid before them. */
 static double largest_speed2(const rheo__state *s, double obstacle_speed)
 {
     static rheo__largest_length2_function *const variants[] = RHEO__ALL_VARIANTS(largest_length2);
-    const rheo_real speed2 = variants[rheo__simd_in_use()](s->velocity, s->particles);
-    const rheo_real *v = s->ball_velocity;
-    const double with_ball = (double)(s->bodies ? rheo__max(speed2, rheo__length2(v[0], v[1], v[2])) : speed2);
-    return largest(with_ball, obstacle_speed * obstacle_speed);
+    rheo_real speed2 = variants[rheo__simd_in_use()](s->velocity, s->particles);
+    for (uint32_t i = 0; i < s->bodies; i++) {
+        const rheo_real *v = s->ball_velocity + 3 * (size_t)i;
+        speed2 = rheo__max(speed2, rheo__length2(v[0], v[1], v[2]));
+    }
+    return largest((double)speed2, obstacle_speed * obstacle_speed);
 }
 
 /* Softens the springs of particles whose sum of kappa is too large. Returns their number. */

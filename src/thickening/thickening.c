@@ -164,7 +164,8 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
     t->def = def;
     rheo__materials_make(t->material, def);
     t->substep = (rheo_real)def->step;
-    t->ball_mass = (rheo_real)rheo__ball_mass(def);
+    for (uint32_t ball = 0; ball <= def->balls.count; ball++)
+        t->ball_mass[ball] = (rheo_real)rheo__ball_mass(def, ball);
     rheo__wetting_make(t);
     if (window && def->history.kind != RHEO_HISTORY_WINDOW)
         make_modes(t, def, window);

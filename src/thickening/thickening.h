@@ -36,7 +36,7 @@ enum { RHEO__WETTING_NODES = 65 };
 
 /* A particle closer to the ball than the support. */
 typedef struct rheo__wet {
-    uint32_t rank;
+    uint32_t rank, ball;
     rheo_real normal[3]; /* out of the ball */
     rheo__wetting_integrals integrals;
 } rheo__wet;
@@ -133,9 +133,9 @@ typedef struct rheo__thickening {
     rheo__modes modes;
     rheo__samples samples;
 
-    rheo_real ball_mass;   /* in masses of particles */
-    double obstacle_speed; /* largest speed of a point of an obstacle; 0 without */
-    rheo_real substep;     /* duration of a substep; in a scheme without them: of the step */
+    rheo_real ball_mass[RHEO_MAX_BALLS]; /* in masses of particles */
+    double obstacle_speed;               /* largest speed of a point of an obstacle; 0 without */
+    rheo_real substep;                   /* duration of a substep; in a scheme without them: of the step */
 
     /* Derived in a step; the memory is kept. Arrays are in rank order unless it says by id. */
     rheo__neighbours list;
@@ -169,8 +169,9 @@ typedef struct rheo__thickening {
     size_t pair_capacity;
     rheo_real *pair_derivative; /* |D^q of the length| of every pair, likewise; of history.of length */
     size_t pair_derivative_capacity;
-    bool coinciding;                                      /* two particles have the same position */
-    rheo__wetting_integrals wetting[RHEO__WETTING_NODES]; /* by distance, from 0 to the support */
+    bool coinciding; /* two particles have the same position */
+    rheo__wetting_integrals wetting[RHEO_MAX_BALLS]
+                                   [RHEO__WETTING_NODES]; /* of a ball, by distance, from 0 to the support */
     rheo__wet *wet;
     uint32_t wet_count;
     size_t wet_capacity;
@@ -231,13 +232,13 @@ void rheo__plate_displacement(const rheo__state *s, const rheo_world_def *def, d
 /* rheo_world_plate() */
 bool rheo__plates_query(const rheo__state *s, const rheo__thickening *t, uint32_t plate, rheo_plate *values);
 
-/* Makes the table of integrals over the ball. */
+/* Makes the tables of integrals over the balls. */
 void rheo__wetting_make(rheo__thickening *t);
-/* Distance from the centre of the ball below which a particle is wet; 0 without a ball. */
-rheo_real rheo__wetting_reach(const rheo__state *s, const rheo__thickening *t);
-/* Adds those of `count` particles from this rank on that are wet to t->wet. False: no memory. */
-bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t, uint32_t rank, uint32_t count);
-/* Adds the forces between them and the ball. */
+/* Distance from the centre of a ball below which a particle is wet. */
+rheo_real rheo__wetting_reach(const rheo__thickening *t, uint32_t ball);
+/* Adds those of `count` particles from this rank on that a ball wets to t->wet. False: no memory. */
+bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t, uint32_t ball, uint32_t rank, uint32_t count);
+/* Adds the forces between them and the balls. */
 void rheo__wetting_push(rheo__state *s, rheo__thickening *t);
 
 /*

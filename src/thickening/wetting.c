@@ -7,7 +7,8 @@
  *     rho += n A_2,  rho_near += n A_3,  A_m = integral of w^m
  *     a += n (P B_1 + P_near B_2) n_out, B_m = integral of w^m cos(angle with the normal)
  *
- * over the ball, with w = 1 - r/h. The ball takes the opposite forces; they are its buoyancy.
+ * over the ball, with w = 1 - r/h. The ball takes the opposite forces; they are its buoyancy. A particle near several
+ * balls has the shares of all of them.
  */
 #include "core/account.h"
 #include "thickening/continuum.h"
@@ -42,33 +43,37 @@ static rheo__wetting_integrals integrate(double distance, double radius, double 
 void rheo__wetting_make(rheo__thickening *t)
 {
     const double h = t->def->fluid.support, n = rheo__number_density(t->def);
-    for (int node = 0; t->def->ball.radius > 0 && node < RHEO__WETTING_NODES; node++) {
-        const rheo__wetting_integrals of = integrate(node * h / (RHEO__WETTING_NODES - 1), t->def->ball.radius, h);
-        t->wetting[node] = (rheo__wetting_integrals){(rheo_real)n * of.density, (rheo_real)n * of.near_density,
-                                                     (rheo_real)n * of.push, (rheo_real)n * of.near_push};
+    const uint32_t nodes = (t->def->ball.radius > 0 ? 1 + t->def->balls.count : 0) * RHEO__WETTING_NODES;
+    for (uint32_t k = 0; k < nodes; k++) {
+        const uint32_t index = k / RHEO__WETTING_NODES, node = k % RHEO__WETTING_NODES;
+        const rheo__wetting_integrals of =
+            integrate(node * h / (RHEO__WETTING_NODES - 1), rheo__ball_of(t->def, index)->radius, h);
+        t->wetting[index][node] = (rheo__wetting_integrals){(rheo_real)n * of.density, (rheo_real)n * of.near_density,
+                                                            (rheo_real)n * of.push, (rheo_real)n * of.near_push};
     }
 }
 
-static rheo__wetting_integrals look_up(const rheo__thickening *t, rheo_real distance)
+static rheo__wetting_integrals look_up(const rheo__thickening *t, uint32_t ball, rheo_real distance)
 {
     const rheo_real at = rheo__max(distance, 0) * (rheo_real)((RHEO__WETTING_NODES - 1) / t->def->fluid.support);
     const int node = (int)at < RHEO__WETTING_NODES - 1 ? (int)at : RHEO__WETTING_NODES - 2;
     const rheo_real b = at - (rheo_real)node, a = 1 - b;
-    const rheo__wetting_integrals *low = &t->wetting[node], *high = low + 1;
+    const rheo__wetting_integrals *low = &t->wetting[ball][node], *high = low + 1;
     return (rheo__wetting_integrals){a * low->density + b * high->density,
                                      a * low->near_density + b * high->near_density, a * low->push + b * high->push,
                                      a * low->near_push + b * high->near_push};
 }
 
-rheo_real rheo__wetting_reach(const rheo__state *s, const rheo__thickening *t)
+rheo_real rheo__wetting_reach(const rheo__thickening *t, uint32_t ball)
 {
-    return s->bodies ? (rheo_real)t->def->ball.radius + (rheo_real)t->def->fluid.support : 0;
+    return (rheo_real)rheo__ball_of(t->def, ball)->radius + (rheo_real)t->def->fluid.support;
 }
 
-bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t, uint32_t rank, uint32_t count)
+bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t, uint32_t ball, uint32_t rank, uint32_t count)
 {
-    const rheo_real *centre = s->ball_position, radius = (rheo_real)t->def->ball.radius,
-                    reach = rheo__wetting_reach(s, t), reach2 = reach * reach;
+    const rheo_real *centre = s->ball_position + 3 * (size_t)ball,
+                    radius = (rheo_real)rheo__ball_of(t->def, ball)->radius, reach = rheo__wetting_reach(t, ball),
+                    reach2 = reach * reach;
     for (uint32_t i = rank; i < rank + count && i < t->pairs->rows; i++) {
         const rheo__point *x = &t->point[i].at;
         const rheo_real d[3] = {x->x - centre[0], x->y - centre[1], x->z - centre[2]},
@@ -81,31 +86,34 @@ bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t, uint32_t rank
             return false;
         t->wet = wet;
         const rheo_real r = rheo__sqrt(r2);
-        t->wet[t->wet_count++] = (rheo__wet){i, {d[0] / r, d[1] / r, d[2] / r}, look_up(t, r - radius)};
+        t->wet[t->wet_count++] = (rheo__wet){i, ball, {d[0] / r, d[1] / r, d[2] / r}, look_up(t, ball, r - radius)};
     }
     return true;
 }
 
 void rheo__wetting_push(rheo__state *s, rheo__thickening *t)
 {
-    double sum[3] = {0, 0, 0};
+    double sums[RHEO_MAX_BALLS][3] = {{0, 0, 0}};
     for (uint32_t k = 0; k < t->wet_count; k++) {
         const rheo__wet *wet = &t->wet[k];
         const rheo_real push = 2 * (t->point[wet->rank].at.w * wet->integrals.push +
                                     t->point[wet->rank].more.x * wet->integrals.near_push);
         rheo__point *a = &t->pressure_acceleration[wet->rank];
         if (rheo__has_account(s) && t->pairs->id_of[wet->rank] == s->account->id)
-            rheo__account_add(s, RHEO__SUM_pressure, RHEO_SOURCE_BALL, 0, push * wet->normal[0],
+            rheo__account_add(s, RHEO__SUM_pressure, RHEO_SOURCE_BALL, wet->ball, push * wet->normal[0],
                               push * wet->normal[1], push * wet->normal[2]);
         a->x += push * wet->normal[0];
         a->y += push * wet->normal[1];
         a->z += push * wet->normal[2];
         for (int axis = 0; axis < 3; axis++)
-            sum[axis] += (double)(push * wet->normal[axis]);
+            sums[wet->ball][axis] += (double)(push * wet->normal[axis]);
     }
-    const double step = (double)t->substep, by = step / (double)t->ball_mass;
-    for (int axis = 0; axis < 3; axis++) {
-        s->ball_velocity[axis] -= (rheo_real)(by * sum[axis]);
-        s->ball_position[axis] -= (rheo_real)(step * by * sum[axis]);
+    for (uint32_t ball = 0; ball < s->bodies; ball++) {
+        const double step = (double)t->substep, by = step / (double)t->ball_mass[ball], *sum = sums[ball];
+        rheo_real *x = s->ball_position + 3 * (size_t)ball, *v = s->ball_velocity + 3 * (size_t)ball;
+        for (int axis = 0; axis < 3; axis++) {
+            v[axis] -= (rheo_real)(by * sum[axis]);
+            x[axis] -= (rheo_real)(step * by * sum[axis]);
+        }
     }
 }

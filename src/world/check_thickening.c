@@ -109,17 +109,17 @@ static rheo_result check_plates(const rheo_world_def *def, rheo_error *error)
     return RHEO_OK;
 }
 
-/* The mass of the ball is a rheo_real, and the ball takes impulses divided by it. */
-static rheo_result check_ball(const rheo_world_def *def, rheo_error *error)
+/* The mass of a ball is a rheo_real, and the ball takes impulses divided by it. */
+static rheo_result check_ball(const rheo_world_def *def, uint32_t index, rheo_error *error)
 {
-    const double least = 1e-36, most = 1e37, mass = def->ball.radius > 0 ? rheo__ball_mass(def) : 1;
+    const double least = 1e-36, most = 1e37, mass = rheo__ball_mass(def, index);
+    const char *ball = RHEO__BALL_NAME(index);
     if (!(mass >= least && mass <= most))
-        return rheo__fail(
-            error, RHEO_ERROR_ARGUMENT,
-            "the ball has the mass of %g particles; it must be from %g to %g: change ball.radius, "
-            "ball.density_ratio or fluid.number_density (0: that of fluid at rest, by fluid.support and "
-            "fluid.spacing)",
-            mass, least, most);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s has the mass of %g particles; it must be from %g to %g: change %s.radius, "
+                          "%s.density_ratio or fluid.number_density (0: that of fluid at rest, by fluid.support and "
+                          "fluid.spacing)",
+                          index ? ball : "the ball", mass, least, most, ball, ball);
     return RHEO_OK;
 }
 
@@ -132,7 +132,8 @@ rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error)
         RHEO__TRY(check_lengths(def, error));
     RHEO__TRY(check_space(def, error));
     RHEO__TRY(check_plates(def, error));
-    RHEO__TRY(check_ball(def, error));
+    for (uint32_t i = 0; i < rheo_world_def_ball_count(def); i++)
+        RHEO__TRY(check_ball(def, i, error));
     if (!def->history.curve_count)
         return RHEO_OK;
     if (def->history.kind != RHEO_HISTORY_WINDOW)

@@ -52,19 +52,24 @@ static rheo_result check_feature(const rheo_world *w, const char *path, rheo_err
     return RHEO_OK;
 }
 
-/* Position and motion of the ball are state. */
+/* Position and motion of balls are state. */
 static void set_ball(rheo_world *w, const char *path)
 {
+    const char *member = path + strlen("ball.");
+    const uint32_t number = rheo__ball_in(path, &member), index = number ? number - 1 : 0;
+    if (!number && strncmp(path, "ball.", strlen("ball.")) != 0)
+        return;
+    const rheo_ball *given = rheo__ball_of(&w->def, index);
     const struct {
-        const char *path;
+        const char *member;
         rheo_real *state;
         const double *value;
-    } ball[] = {{"ball.position", w->state.ball_position, w->def.ball.position},
-                {"ball.velocity", w->state.ball_velocity, w->def.ball.velocity},
-                {"ball.spin", w->state.ball_spin, w->def.ball.spin}};
+    } ball[] = {{"position", w->state.ball_position, given->position},
+                {"velocity", w->state.ball_velocity, given->velocity},
+                {"spin", w->state.ball_spin, given->spin}};
     for (size_t i = 0; i < sizeof ball / sizeof *ball; i++)
-        for (int axis = 0; axis < 3 && strcmp(path, ball[i].path) == 0; axis++)
-            ball[i].state[axis] = (rheo_real)ball[i].value[axis];
+        for (size_t axis = 0; axis < 3 && strcmp(member, ball[i].member) == 0; axis++)
+            ball[i].state[3 * (size_t)index + axis] = (rheo_real)ball[i].value[axis];
 }
 
 static void set_obstacle(rheo_world *w, const char *path)
@@ -82,6 +87,9 @@ static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_err
     const rheo_parameter *p = rheo_world_def_parameter_find(&w->def, c->path);
     rheo_world_def def = w->def, old = w->def;
     RHEO__TRY(rheo_world_def_set(&def, c->path, c->value, error));
+    if (def.balls.count != w->def.balls.count)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s: there is no ball %u; this world has %u", c->path,
+                          def.balls.count + 1, w->state.bodies);
     if (!p->live)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s is fixed when a world is made; a running one cannot change it", c->path);
@@ -114,24 +122,26 @@ static rheo_result push_body(rheo_world *w, const rheo__command *c, rheo_error *
     rheo__state *s = &w->state;
     if (c->index >= s->bodies)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no body %u; this world has %u", c->index, s->bodies);
-    double mass = (double)w->solids->ball_mass, radius = (double)(rheo_real)w->def.ball.radius;
+    const double mass = (double)w->solids->ball_mass[c->index],
+                 radius = (double)(rheo_real)rheo__ball_of(&w->def, c->index)->radius;
+    rheo_real *v = s->ball_velocity + 3 * (size_t)c->index, *turning = s->ball_spin + 3 * (size_t)c->index;
     const double *j = c->vector;
     double arm[3] = {0, 0, 0};
     for (int axis = 0; axis < 3 && c->has_point; axis++)
-        arm[axis] = c->point[axis] - (double)s->ball_position[axis];
+        arm[axis] = c->point[axis] - (double)s->ball_position[3 * (size_t)c->index + (size_t)axis];
     const double torque[3] = {arm[1] * j[2] - arm[2] * j[1], arm[2] * j[0] - arm[0] * j[2],
                               arm[0] * j[1] - arm[1] * j[0]};
     double velocity[3], spin[3];
     for (int axis = 0; axis < 3; axis++) {
-        velocity[axis] = (double)s->ball_velocity[axis] + j[axis] / mass;
-        spin[axis] = (double)s->ball_spin[axis] + 2.5 * torque[axis] / (mass * radius * radius);
+        velocity[axis] = (double)v[axis] + j[axis] / mass;
+        spin[axis] = (double)turning[axis] + 2.5 * torque[axis] / (mass * radius * radius);
     }
     if (!in_range(velocity, 3) || !in_range(spin, 3))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "the impulse and its point must be finite, and the speed they give at most 1e30");
     for (int axis = 0; axis < 3; axis++) {
-        s->ball_velocity[axis] = (rheo_real)velocity[axis];
-        s->ball_spin[axis] = (rheo_real)spin[axis];
+        v[axis] = (rheo_real)velocity[axis];
+        turning[axis] = (rheo_real)spin[axis];
     }
     return RHEO_OK;
 }

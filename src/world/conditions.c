@@ -22,8 +22,17 @@ bool rheo__condition_of(const rheo_world_def *def, rheo__known_speeds speeds, ui
                                                      {"ball_vy"},  {"ball_vz"},   {"ball_max_speed"}};
     const rheo__measures *measures = rheo__measures_of(def);
     const rheo__measure *measure = &measures->row[row];
-    const double *v = def->ball.velocity, first = __builtin_sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
-                 ball = speeds.ball > first ? speeds.ball : first;
+    const double *v = def->ball.velocity;
+    double first = -1; /* of the fastest ball, which stands for all */
+    for (uint32_t i = 0; i <= def->balls.count; i++) {
+        const double *u = rheo__ball_of(def, i)->velocity,
+                     speed = __builtin_sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+        if (speed > first) {
+            first = speed;
+            v = u;
+        }
+    }
+    const double ball = speeds.ball > first ? speeds.ball : first;
     const double now[METRICS] = {most_substeps(def), speeds.fluid, v[0], v[1], v[2], ball},
                  episode[RHEO_MAX_FINDINGS] = {0};
     const rheo__observation o = {.def = def,

@@ -89,7 +89,8 @@ bool rheo__world_configure(rheo_world *w)
     if (w->type->configure && !w->type->configure(w))
         return false;
     w->solids->wall_distance = (rheo_real)(w->type->wall_distance ? w->type->wall_distance(&w->def) : 0);
-    w->solids->ball_mass = (rheo_real)(w->type->ball_mass ? w->type->ball_mass(&w->def) : 0);
+    for (uint32_t i = 0; i <= w->def.balls.count; i++)
+        w->solids->ball_mass[i] = (rheo_real)(w->type->ball_mass ? w->type->ball_mass(&w->def, i) : 0);
     w->solids->ball_distance = w->type->ball_distance ? w->type->ball_distance(&w->def) : 0;
     w->solids->friction_distance = w->type->friction_distance ? w->type->friction_distance(&w->def) : 0;
     rheo__solids_configure(w->solids, &w->def, &w->planes);
@@ -146,12 +147,16 @@ void rheo__world_begin_particles(rheo_world *w, uint32_t first, const rheo_real 
         w->type->begin_particles(w, first, density, temperature);
 }
 
-static void place_ball(rheo_world *w)
+static void place_balls(rheo_world *w)
 {
-    for (int axis = 0; axis < 3 && w->state.bodies; axis++) {
-        w->state.ball_position[axis] = (rheo_real)w->def.ball.position[axis];
-        w->state.ball_velocity[axis] = (rheo_real)w->def.ball.velocity[axis];
-        w->state.ball_spin[axis] = (rheo_real)w->def.ball.spin[axis];
+    for (uint32_t i = 0; i < w->state.bodies; i++) {
+        const rheo_ball *ball = rheo__ball_of(&w->def, i);
+        for (size_t axis = 0; axis < 3; axis++) {
+            w->state.ball_position[3 * (size_t)i + axis] = (rheo_real)ball->position[axis];
+            w->state.ball_velocity[3 * (size_t)i + axis] = (rheo_real)ball->velocity[axis];
+            w->state.ball_spin[3 * (size_t)i + axis] = (rheo_real)ball->spin[axis];
+        }
+        w->state.ball_orientation[4 * (size_t)i] = 1;
     }
 }
 
@@ -179,10 +184,8 @@ static bool fill_state(rheo_world *w, const rheo_world_def *def)
         !rheo__springs_set(&s->springs, &s->allocator, s->particles, def->particles.spring_count,
                            def->particles.spring_ends, def->particles.spring_rest_length))
         return false;
-    place_ball(w);
+    place_balls(w);
     place_obstacles(w);
-    if (s->bodies)
-        s->ball_orientation[0] = 1;
     if (s->vibrators) {
         *s->random = def->vibrators.seed;
         for (uint32_t i = 0; i < s->vibrators; i++) {
@@ -226,7 +229,8 @@ static bool make_state(rheo_world *w, const rheo_world_def *def)
 {
     w->state.obstacles = w->solids->obstacles;
     return (!w->type->create || w->type->create(w)) &&
-           rheo__state_resize(&w->state, def->particles.count, def->ball.radius > 0, def->vibrators.count) &&
+           rheo__state_resize(&w->state, def->particles.count, rheo_world_def_ball_count(def),
+                              def->vibrators.count) &&
            fill_state(w, def) && rheo__world_configure(w) && rheo__world_reserve(w, def->particles.count);
 }
 

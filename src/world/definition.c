@@ -212,9 +212,6 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
     RHEO__TRY(rheo__parameters_check(def, error));
     rheo_world_def in_steps = *def;
     RHEO__TRY(rheo__def_in_steps(&in_steps, error));
-    if (def->ball.radius > 0 && def->ball.radius < 1e-12)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "ball.radius is %g; it must be 0 (no ball) or at least 1e-12",
-                          def->ball.radius);
     RHEO__TRY(check_walls(def, error));
     RHEO__TRY(check_vibrators(def, error));
     RHEO__TRY(check_model(def, error));

@@ -77,17 +77,21 @@ uint32_t rheo__material_number(const char *path)
 
 size_t rheo_world_def_parameter_count(const rheo_world_def *def)
 {
-    return rheo_parameter_count() + (size_t)def->materials.count * ROWS_OF_ONE + rheo__obstacle_parameter_count(def);
+    return rheo_parameter_count() + (size_t)def->materials.count * ROWS_OF_ONE + rheo__ball_parameter_count(def) +
+           rheo__obstacle_parameter_count(def);
 }
 
 const rheo_parameter *rheo_world_def_parameter_at(const rheo_world_def *def, size_t index)
 {
-    const size_t main = rheo_parameter_count();
+    const size_t main = rheo_parameter_count(), of_materials = (size_t)def->materials.count * ROWS_OF_ONE;
     if (index < main)
         return rheo_parameter_at(index);
-    const size_t of_materials = (size_t)def->materials.count * ROWS_OF_ONE;
-    return index < main + of_materials ? &rows[index - main].parameter
-                                       : rheo__obstacle_parameter(def, index - main - of_materials);
+    const size_t of_balls = rheo__ball_parameter_count(def);
+    if (index < main + of_materials)
+        return &rows[index - main].parameter;
+    return index < main + of_materials + of_balls
+               ? rheo__ball_parameter_at(index - main - of_materials)
+               : rheo__obstacle_parameter(def, index - main - of_materials - of_balls);
 }
 
 /* The number that a path has for a material: "1" or its name. 0: there is none. */
@@ -107,8 +111,10 @@ const rheo_parameter *rheo_world_def_parameter_find(const rheo_world_def *def, c
 {
     if (rheo__is_of_obstacle(path))
         return rheo__obstacle_parameter_find(def, path);
-    if (!rheo__is_of_material(path))
-        return rheo__parameter_find(path);
+    if (!rheo__is_of_material(path)) {
+        const rheo_parameter *of_ball = rheo__ball_parameter_find(path);
+        return of_ball ? of_ball : rheo__parameter_find(path);
+    }
     const char *text = path + strlen(GROUP);
     const uint32_t number = number_in(def, text, strcspn(text, "."));
     for (size_t i = 0; number && i < ROWS_OF_ONE; i++) {

@@ -4,6 +4,7 @@
  * did it. A spring that is too stiff for the step does no harm while it is not stretched, so stiffness is a precursor
  * only. Where pressure is too stiff for the step, springs tear first; hence its numbers are conditions.
  */
+#include <stdio.h>
 #include <string.h>
 
 #include "world/model_thickening.h"
@@ -56,34 +57,53 @@ bool rheo__measure_vibrator_step(const rheo__observation *o, double *value)
     return def->vibrators.count > 0;
 }
 
-/* Speed of the ball after the step, in supports per step. */
-static bool last_ball_speed(const rheo__observation *o, double *value)
+/* A metric of a ball. */
+static bool ball_observed(const rheo__observation *o, uint32_t index, const char *metric, double *value)
+{
+    char name[32];
+    snprintf(name, sizeof name, "%s_%s", RHEO__BALL_NAME(index), metric);
+    return rheo__observed(o, name, value);
+}
+
+/* Speed of a ball after the step, in supports per step. */
+static bool last_ball_speed(const rheo__observation *o, uint32_t index, double *value)
 {
     double x, y, z;
-    if (!rheo__observed(o, "ball_vx", &x) || !rheo__observed(o, "ball_vy", &y) || !rheo__observed(o, "ball_vz", &z))
+    if (!ball_observed(o, index, "vx", &x) || !ball_observed(o, index, "vy", &y) ||
+        !ball_observed(o, index, "vz", &z))
         return false;
     *value = __builtin_sqrt(x * x + y * y + z * z) * per_step(o->def);
     return true;
 }
 
-/* Before the first step, and in older recordings, the speed after the step is all that is known. */
+/* Before the first step, and in older recordings, the speed after the step is all that is known. Of the fastest ball. */
 bool rheo__measure_ball_speed(const rheo__observation *o, double *value)
 {
-    double fastest;
-    if (!last_ball_speed(o, value))
-        return false;
-    if (rheo__observed(o, "ball_max_speed", &fastest))
-        *value = rheo__larger(fastest * per_step(o->def), *value);
-    return true;
+    bool any = false;
+    for (uint32_t i = 0; i <= o->def->balls.count; i++) {
+        double fastest, speed;
+        if (!last_ball_speed(o, i, &speed))
+            continue;
+        if (ball_observed(o, i, "max_speed", &fastest))
+            speed = rheo__larger(fastest * per_step(o->def), speed);
+        *value = any ? rheo__larger(speed, *value) : speed;
+        any = true;
+    }
+    return any;
 }
 
 bool rheo__measure_ball_stop(const rheo__observation *o, double *value)
 {
-    double fastest, last;
-    if (o->unfinished || !rheo__observed(o, "ball_max_speed", &fastest) || !last_ball_speed(o, &last))
-        return false;
-    *value = fastest * per_step(o->def) - last;
-    return true;
+    bool any = false;
+    for (uint32_t i = 0; i <= o->def->balls.count && !o->unfinished; i++) {
+        double fastest, last;
+        if (!ball_observed(o, i, "max_speed", &fastest) || !last_ball_speed(o, i, &last))
+            continue;
+        const double lost = fastest * per_step(o->def) - last;
+        *value = any ? rheo__larger(lost, *value) : lost;
+        any = true;
+    }
+    return any;
 }
 
 /* Implicit springs bear any stiffness. */

@@ -18,19 +18,21 @@ static const rheo_metric_info COMMON[] = {
 _Static_assert(sizeof COMMON / sizeof *COMMON * sizeof(double) == offsetof(rheo__metrics, own),
                "common metrics come first in rheo__metrics");
 
-static const rheo_metric_info BALL[] = {
-    {"ball_x", "L", "position of the ball, x"},
-    {"ball_y", "L", "position of the ball, y"},
-    {"ball_z", "L", "position of the ball, z"},
-    {"ball_vx", "L/T", "velocity of the ball, x"},
-    {"ball_vy", "L/T", "velocity of the ball, y"},
-    {"ball_vz", "L/T", "velocity of the ball, z"},
-    {"ball_spin_x", "1/T", "angular velocity of the ball, x"},
-    {"ball_spin_y", "1/T", "angular velocity of the ball, y"},
-    {"ball_spin_z", "1/T", "angular velocity of the ball, z"},
-    {"ball_max_speed", "L/T", "largest speed of the ball in the substeps, before contact"},
-};
-enum { BALL_METRICS = sizeof BALL / sizeof *BALL, BALL_MAX_SPEED = BALL_METRICS - 1 }; /* vectors, then one number */
+/* Those of each ball: vectors, then one number. */
+#define OF_BALL(name, ball)                                                                             \
+    {name "_x", "L", "position of " ball ", x"}, {name "_y", "L", "position of " ball ", y"},           \
+        {name "_z", "L", "position of " ball ", z"}, {name "_vx", "L/T", "velocity of " ball ", x"},    \
+        {name "_vy", "L/T", "velocity of " ball ", y"}, {name "_vz", "L/T", "velocity of " ball ", z"}, \
+        {name "_spin_x", "1/T", "angular velocity of " ball ", x"},                                     \
+        {name "_spin_y", "1/T", "angular velocity of " ball ", y"},                                     \
+        {name "_spin_z", "1/T", "angular velocity of " ball ", z"},                                     \
+        {name "_max_speed", "L/T", "largest speed of " ball " in the substeps, before contact"},
+#define OF_FURTHER(number) OF_BALL("ball" #number, "ball " #number)
+enum { BALL_METRICS = 10, BALL_MAX_SPEED = BALL_METRICS - 1 };
+static const rheo_metric_info BALL[RHEO_MAX_BALLS * BALL_METRICS] = {
+    OF_BALL("ball", "the ball") OF_FURTHER(2) OF_FURTHER(3) OF_FURTHER(4) OF_FURTHER(5) OF_FURTHER(6) OF_FURTHER(7)
+        OF_FURTHER(8) OF_FURTHER(9) OF_FURTHER(10) OF_FURTHER(11) OF_FURTHER(12) OF_FURTHER(13) OF_FURTHER(14)
+            OF_FURTHER(15) OF_FURTHER(16)};
 
 static const rheo_metric_info *info_of(const rheo__metric *row)
 {
@@ -45,7 +47,7 @@ double rheo_world_mean_neighbours(const rheo_world *w)
 
 uint32_t rheo_world_metric_count(const rheo_world *w)
 {
-    return w->type->metric_count + (w->state.bodies ? BALL_METRICS : 0);
+    return w->type->metric_count + w->state.bodies * BALL_METRICS;
 }
 
 const rheo_metric_info *rheo_world_metric_info(const rheo_world *w, uint32_t index)
@@ -72,9 +74,10 @@ static double metric(const rheo_world *w, const rheo__metrics *m, uint32_t index
         return 0;
     const rheo_real *const vector[] = {w->state.ball_position, w->state.ball_velocity, w->state.ball_spin};
     index -= w->type->metric_count;
-    if (index == BALL_MAX_SPEED)
-        return m->ball_max_speed;
-    return (double)vector[index / 3][index % 3];
+    const uint32_t ball = index / BALL_METRICS, of_ball = index % BALL_METRICS;
+    if (of_ball == BALL_MAX_SPEED)
+        return m->ball_max_speed[ball];
+    return (double)vector[of_ball / 3][3 * (size_t)ball + of_ball % 3];
 }
 
 double rheo_world_metric(const rheo_world *w, uint32_t index)
@@ -94,8 +97,9 @@ void rheo__world_restore_metric(rheo_world *w, const char *name, double value)
         if (strcmp(name, info_of(row)->name) == 0)
             memcpy((char *)&w->metrics + row->offset, &value, sizeof value);
     }
-    if (w->state.bodies && strcmp(name, BALL[BALL_MAX_SPEED].name) == 0)
-        w->metrics.ball_max_speed = value;
+    for (uint32_t i = 0; i < w->state.bodies; i++)
+        if (strcmp(name, BALL[i * BALL_METRICS + BALL_MAX_SPEED].name) == 0)
+            w->metrics.ball_max_speed[i] = value;
 }
 
 /* ---- Measuring ---- */
@@ -105,11 +109,11 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Kinetic and potential energy of the ball. */
-static double ball_energy(const rheo_world *w)
+/* Kinetic and potential energy of a ball. */
+static double ball_energy(const rheo_world *w, uint32_t index)
 {
     rheo_body ball;
-    rheo_world_body(w, 0, &ball);
+    rheo_world_body(w, index, &ball);
     return ball.mass *
            (0.5 * dot(ball.velocity, ball.velocity) + 0.2 * ball.radius * ball.radius * dot(ball.spin, ball.spin) -
             dot(w->def.gravity, ball.position));
@@ -149,8 +153,8 @@ static void measure_state(const rheo_world *w, rheo__metrics *m)
     m->step = (double)*w->state.step;
     m->time = rheo_world_time(w);
     measure_particles(w, m);
-    if (w->state.bodies)
-        m->energy += ball_energy(w);
+    for (uint32_t i = 0; i < w->state.bodies; i++)
+        m->energy += ball_energy(w, i);
     m->courant_number = m->max_speed * w->def.step / rheo__def_support(&w->def);
     if (w->type->measure_state)
         w->type->measure_state(w, m);
@@ -158,7 +162,7 @@ static void measure_state(const rheo_world *w, rheo__metrics *m)
 
 static void take_from_stages(const rheo_world *w, rheo__metrics *m)
 {
-    m->ball_max_speed = w->solids->ball_max_speed;
+    memcpy(m->ball_max_speed, w->solids->ball_max_speed, sizeof m->ball_max_speed);
     if (w->type->measure_stages)
         w->type->measure_stages(w, m);
 }
@@ -196,14 +200,14 @@ void rheo__world_measure_step(rheo_world *w)
 
 void rheo__world_keep_diagnostics(rheo_world *w)
 {
-    w->solids->ball_max_speed = 0;
+    memset(w->solids->ball_max_speed, 0, sizeof w->solids->ball_max_speed);
     if (w->type->keep_diagnostics)
         w->type->keep_diagnostics(w);
 }
 
 void rheo__world_restore_diagnostics(rheo_world *w)
 {
-    w->solids->ball_max_speed = 0;
+    memset(w->solids->ball_max_speed, 0, sizeof w->solids->ball_max_speed);
     if (w->type->restore_diagnostics)
         w->type->restore_diagnostics(w);
 }

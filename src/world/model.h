@@ -78,9 +78,9 @@ typedef struct rheo__model_type {
     double (*mass)(const rheo_world_def *def);
     /* Distance at which walls stop a particle, L. NULL: 0, particles are held off by other means. */
     double (*wall_distance)(const rheo_world_def *def);
-    /* Mass of the ball, in masses of particles. NULL: there is no ball. */
-    double (*ball_mass)(const rheo_world_def *def);
-    /* Distances from the ball's surface at which it stops and slows a particle, L. NULL: there is no ball. */
+    /* Mass of a ball, in masses of particles. NULL: there is no ball. */
+    double (*ball_mass)(const rheo_world_def *def, uint32_t index);
+    /* Distances from a ball's surface at which it stops and slows a particle, L. NULL: there is no ball. */
     double (*ball_distance)(const rheo_world_def *def);
     double (*friction_distance)(const rheo_world_def *def);
     /* Changes a definition to the same material with particles `resolution` times as close. NULL: impossible. */

@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "solids/solids.h"
 #include "thickening/continuum.h"
-#include "world/row_macros.h"
+#include "world/ball_rows.h"
 
 /* ---- Parameters ---- */
 
@@ -21,12 +21,16 @@ static const rheo__parameter_row ROWS[] = {
 };
 
 #undef REAL
+#undef FIRST_BALL_REAL
+#undef FIRST_BALL_VECTOR
 #undef INTEGER
 #undef VECTOR
 #undef WINDOW
 #undef CHOICE
 #undef OLD_NAME
 #define REAL(...)
+#define FIRST_BALL_REAL(...)
+#define FIRST_BALL_VECTOR(...)
 #define INTEGER(...)
 #define VECTOR(...)
 #define WINDOW(...)
@@ -80,8 +84,12 @@ static double friction_distance(const rheo_world_def *def)
 
 static bool pushes(const rheo_world_def *def)
 {
-    const double *push = def->ball.push;
-    return push[0] != 0 || push[1] != 0 || push[2] != 0;
+    for (uint32_t i = 0; i <= def->balls.count; i++) {
+        const double *push = rheo__ball_of(def, i)->push;
+        if (push[0] != 0 || push[1] != 0 || push[2] != 0)
+            return true;
+    }
+    return false;
 }
 
 /* In scheme positions k_min is only the unit of the history's stiffness. */
@@ -102,7 +110,8 @@ static uint32_t features(const rheo_world_def *def)
     if (positions || def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0)
         needed |= RHEO__FEATURE_DENSITY;
     if (def->ball.radius > 0)
-        needed |= RHEO__FEATURE_BALL | (pushes(def) ? RHEO__FEATURE_PUSH : 0);
+        needed |= RHEO__FEATURE_BALL | (pushes(def) ? RHEO__FEATURE_PUSH : 0) |
+                  (def->balls.count ? RHEO__FEATURE_BALLS : 0);
     if (def->walls.count > 0)
         needed |= RHEO__FEATURE_WALLS;
     if (def->obstacles.count > 0)
@@ -430,9 +439,10 @@ const rheo__model_type rheo__model_thickening = {
     .refine = rheo__thickening_refine,
     .materials = true,
     .possible_features =
-        (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH | RHEO__FEATURE_PLATES | RHEO__FEATURE_OBSTACLES,
-    .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS | RHEO__FEATURE_PLATES |
-                      RHEO__FEATURE_OBSTACLES,
+        (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH | RHEO__FEATURE_PLATES | RHEO__FEATURE_OBSTACLES |
+        RHEO__FEATURE_BALLS,
+    .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_BALLS | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS |
+                      RHEO__FEATURE_PLATES | RHEO__FEATURE_OBSTACLES,
     .features = features,
     .check_features = check_features,
     .fields = fields,

@@ -281,6 +281,7 @@ uint32_t rheo__parameter_values(const rheo_world_def *def, const rheo_parameter 
 rheo_result rheo__parameter_assign(rheo_world_def *def, const rheo_parameter *parameter, const double values[3],
                                    rheo_error *error)
 {
+    RHEO__TRY(rheo__ball_provide(def, parameter, error));
     return assign(def, row_of(parameter), values, error);
 }
 
@@ -303,6 +304,7 @@ rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error)
     for (size_t i = 0; (row = row_at(i)); i++)
         RHEO__TRY(rheo__row_check(def, row, error));
     RHEO__TRY(rheo__materials_check(def, error));
+    RHEO__TRY(rheo__balls_check(def, error));
     return rheo__obstacles_check(def, error);
 }
 
@@ -415,26 +417,39 @@ rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char
         return rheo__material_unknown(def, path, error);
     if (!p && rheo__is_of_obstacle(path))
         return rheo__obstacle_unknown(def, path, error);
+    const char *member;
+    if (!p && rheo__ball_in(path, &member))
+        return rheo__ball_unknown(path, error);
     if (!p)
         return rheo__parameter_unknown(path, rheo_parameter_nearest(path), error);
     if (p->type == RHEO_PARAMETER_NAME)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be set; a material keeps its name", path);
     RHEO__TRY(rheo__parameter_check_model(p, def->model, error));
-    return rheo__row_set(def, row_of(p), value, error);
+    const uint32_t balls = def->balls.count;
+    RHEO__TRY(rheo__ball_provide(def, p, error));
+    const rheo_result result = rheo__row_set(def, row_of(p), value, error);
+    def->balls.count = result == RHEO_OK ? def->balls.count : balls;
+    return result;
 }
 
 rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size)
 {
     const rheo_parameter *p = rheo_world_def_parameter_find(def, path);
-    return p ? rheo__row_get(def, row_of(p), value, size) : RHEO_ERROR_ARGUMENT;
+    const char *member;
+    if (!p || rheo__ball_in(p->path, &member) > def->balls.count + 1)
+        return RHEO_ERROR_ARGUMENT;
+    return rheo__row_get(def, row_of(p), value, size);
 }
 
 const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rheo_world_def *b, size_t *index,
                                                char of_a[96], char of_b[96])
 {
     const rheo_parameter *p;
-    const rheo_world_def *all = rheo_world_def_parameter_count(a) > rheo_world_def_parameter_count(b) ? a : b;
-    while ((p = rheo_world_def_parameter_at(all, (*index)++))) {
+    const rheo_world_def *more = a->materials.count > b->materials.count ? a : b;
+    rheo_world_def all = *more; /* only its counts are used, and the shapes of obstacles */
+    all.balls.count = a->balls.count > b->balls.count ? a->balls.count : b->balls.count;
+    all.obstacles = a->obstacles.count > b->obstacles.count ? a->obstacles : b->obstacles;
+    while ((p = rheo_world_def_parameter_at(&all, (*index)++))) {
         of_a[0] = of_b[0] = 0;
         rheo_world_def_get(a, p->path, of_a, 96);
         rheo_world_def_get(b, p->path, of_b, 96);

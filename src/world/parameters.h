@@ -81,6 +81,25 @@ rheo_result rheo__obstacle_unknown(const rheo_world_def *def, const char *path, 
 /* Checks all of the obstacles but their meshes. */
 rheo_result rheo__obstacles_check(const rheo_world_def *def, rheo_error *error);
 
+/* ---- Balls (world/balls.c) ---- */
+
+/* Parameters of the further balls that a definition has, by index. */
+size_t rheo__ball_parameter_count(const rheo_world_def *def);
+const rheo_parameter *rheo__ball_parameter_at(size_t index);
+/* The parameter of a further ball by path, whether a definition has this ball or not; NULL if there is none. */
+const rheo_parameter *rheo__ball_parameter_find(const char *path);
+/* Number of the ball in a path such as "ball2.radius" or "ball2", and the rest of the path. 0: there is none. */
+uint32_t rheo__ball_in(const char *path, const char **member);
+/* Says why there is no such parameter of a ball with a number. */
+rheo_result rheo__ball_unknown(const char *path, rheo_error *error);
+/* Adds the ball that a parameter is of, if it is the next one. */
+rheo_result rheo__ball_provide(rheo_world_def *def, const rheo_parameter *parameter, rheo_error *error);
+rheo_result rheo__balls_check(const rheo_world_def *def, rheo_error *error);
+/* "ball" or "ball2": the group of parameters of the ball with this index. */
+enum { RHEO__BALL_NAME_SIZE = 12 };
+const char *rheo__ball_name(uint32_t index, char name[RHEO__BALL_NAME_SIZE]);
+#define RHEO__BALL_NAME(index) rheo__ball_name(index, (char[RHEO__BALL_NAME_SIZE]){""})
+
 /* ---- Parameters of a definition ---- */
 
 /* Numbers of a parameter: 1, a vector has 3, a window 2 (steps, seconds), a name 0. A choice is the index of its word. */

@@ -179,14 +179,14 @@ rheo_result rheo_world_body(const rheo_world *w, uint32_t index, rheo_body *body
     if (index >= w->state.bodies)
         return RHEO_ERROR_ARGUMENT;
     for (int axis = 0; axis < 3; axis++) {
-        body->position[axis] = (double)w->state.ball_position[axis];
-        body->velocity[axis] = (double)w->state.ball_velocity[axis];
-        body->spin[axis] = (double)w->state.ball_spin[axis];
+        body->position[axis] = (double)w->state.ball_position[3 * (size_t)index + axis];
+        body->velocity[axis] = (double)w->state.ball_velocity[3 * (size_t)index + axis];
+        body->spin[axis] = (double)w->state.ball_spin[3 * (size_t)index + axis];
     }
     for (int i = 0; i < 4; i++)
-        body->orientation[i] = (double)w->state.ball_orientation[i];
-    body->radius = (double)(rheo_real)w->def.ball.radius;
-    body->mass = (double)w->solids->ball_mass;
+        body->orientation[i] = (double)w->state.ball_orientation[4 * (size_t)index + i];
+    body->radius = (double)(rheo_real)rheo__ball_of(&w->def, index)->radius;
+    body->mass = (double)w->solids->ball_mass[index];
     return RHEO_OK;
 }
 

@@ -116,6 +116,7 @@ enum {
     RHEO__FEATURE_PUSH = 4096,        /* the ball is pushed periodically */
     RHEO__FEATURE_PLATES = 8192,
     RHEO__FEATURE_OBSTACLES = 16384,
+    RHEO__FEATURE_BALLS = 32768, /* more than one ball */
 };
 /* Features that a valid definition needs. */
 uint32_t rheo__world_features(const rheo_world_def *def);
@@ -146,8 +147,8 @@ typedef struct rheo__metrics {
 #define X(name, unit, meaning) double name;
     RHEO__COMMON_METRICS(X)
 #undef X
-    double own[RHEO__MAX_OWN_METRICS]; /* metrics of the model, in its own order */
-    double ball_max_speed;             /* 0 without a ball */
+    double own[RHEO__MAX_OWN_METRICS];     /* metrics of the model, in its own order */
+    double ball_max_speed[RHEO_MAX_BALLS]; /* 0 without a ball */
 } rheo__metrics;
 
 struct rheo_world {

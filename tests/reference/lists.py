@@ -1,6 +1,7 @@
 """Neighbour lists: margins, cells, ranks and rows (docs/bits.md, Neighbours)."""
 import math
 
+import balls
 import numpy as np
 
 STRAIGHT, MOST, LIFE, SHORTEST, SINGLE, SAMPLES = 0.75, 0.125, 8, 3, 2, 1024
@@ -39,7 +40,7 @@ class Needs:
         mean_velocity = mean(v, real)
         self.mean_displacement = mean(x - state.f['list_position'], real)
         speed2 = length2(v - mean_velocity)
-        if 'ball_position' in state.f and len(state.f['ball_position']):
+        for _ in balls.each(state, d):
             ball2 = length2(state.f['ball_velocity'][0] - mean_velocity)
             near = real(d['ball.radius'] + h) + real(d['step']) * np.sqrt(ball2)
             of_ball = np.where(length2(x - state.f['ball_position'][0]) < near * near, ball2, real(0))

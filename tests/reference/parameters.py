@@ -29,6 +29,7 @@ class Definition:
         self.parameters = parameters
         self.values = dict(parameters.defaults)
         self.values.update(recorded)
+        self.ball = 0  # whose parameters "ball." are (balls.one)
         self.materials = list(dict.fromkeys(path.split('.')[1] for path in recorded if path.startswith('materials.')))
 
     def of_materials(self, path):
@@ -40,10 +41,13 @@ class Definition:
         """A number, or the word of a choice."""
         if path in self.parameters.words:
             return self.parameters.word(path, self.values[path])
-        return self.values[path][0]
+        return self.values[self.own(path)][0]
 
     def vector(self, path):
-        return self.values[path]
+        return self.values[self.own(path)]
+
+    def own(self, path):
+        return f'ball{self.ball + 1}.{path[5:]}' if self.ball and path.startswith('ball.') else path
 
     def set(self, path, text):
         group, _, rest = path.partition('.')

@@ -2,6 +2,7 @@
 import math
 
 import functions as f
+import balls
 import numpy as np
 from lists import larger, length2, smaller
 
@@ -33,10 +34,14 @@ class Walls:
 class Solids:
     """Contact in a world. definition: parameters in force; real: number type."""
 
-    def __init__(self, walls, definition, real, ball_mass):
-        self.walls, self.d, self.real, self.mass = walls, definition, real, real(ball_mass)
+    def __init__(self, walls, definition, real, ball_masses):
+        self.walls, self.d, self.real, self.masses = walls, definition, real, [real(mass) for mass in ball_masses]
         self.wall_distance = real(definition['fluid.spacing'] / 2)
         self.wave = self.wave_rate = None
+
+    @property
+    def mass(self):
+        return self.masses[self.d.ball]
 
     # ---- Vibrators
 
@@ -116,8 +121,9 @@ class Solids:
         vibrating = self.vibrating_wall(state)
         for w in range(len(self.walls.normal)):
             self.stop_particles(state, w, vibrating == w)
-        for w in range(len(self.walls.normal) if len(state.f.get('ball_position', ())) else 0):
-            self.stop_ball(state, w, vibrating == w)
+        for _ in balls.each(state, self.d):
+            for w in range(len(self.walls.normal)):
+                self.stop_ball(state, w, vibrating == w)
 
     def slowed(self, normal, overlap, tau):
         """c (walls)."""
@@ -180,7 +186,7 @@ class Solids:
     # ---- Ball
 
     def ball_push(self, state):
-        """Stage ball_push (ball_push)."""
+        """Stage ball_push of a ball (ball_push)."""
         d, duty = self.d, self.d['ball.push_duty']
 
         def given(phase):
@@ -195,7 +201,7 @@ class Solids:
         state.f['ball_push_phase'] = np.array([[end - whole]])
 
     def ball_motion(self, state):
-        """Stage ball_motion (ball_motion)."""
+        """Stage ball_motion of a ball (ball_motion)."""
         real, tau = self.real, state.tau
         v, x, q = (state.f[name][0] for name in ('ball_velocity', 'ball_position', 'ball_orientation'))
         v = np.array([v[axis] + tau * real(self.d.vector('gravity')[axis]) for axis in range(3)], dtype=real)
@@ -209,12 +215,12 @@ class Solids:
         state.f['ball_orientation'] = np.array([[real(t / length) for t in turned]], dtype=real)
 
     def ball(self, state):
-        """Stage ball (ball)."""
+        """Stage ball of a ball (ball)."""
         Collision(self, state).resolve()
 
 
 class Collision:
-    """Contact of the ball with all particles in a substep (docs/bits.md, ball). Doubles."""
+    """Contact of a ball with all particles in a substep (docs/bits.md, ball). Doubles."""
 
     def __init__(self, solids, state):
         d, self.real, self.state = solids.d, solids.real, state

@@ -113,8 +113,8 @@ def substeps(state, d, real):
     count = int(d['substeps'])
     if count == 0:
         speed2 = real(max(length2(state.f['velocity']).tolist(), default=0.0))
-        if len(state.f.get('ball_velocity', ())):
-            speed2 = larger(speed2, length2(state.f['ball_velocity'][0]))
+        for v in state.f.get('ball_velocity', ()):
+            speed2 = larger(speed2, length2(v))
         count = needed(d, float(stiffest), float(speed2))
     state.f['substeps'] = np.array([[count]], dtype='<u8')
     state.tau = real(d['step'] / count)
@@ -158,7 +158,8 @@ def densities(state, d, real, wetting):
     state.wet = wetting.find(state) if wetting else []
     for wet in state.wet:
         i = wet.id
-        state.pressure[i] = larger(k * ((density[i] + wet.density) - rest), least)
+        density[i] = density[i] + wet.density
+        state.pressure[i] = larger(k * (density[i] - rest), least)
         state.near_pressure[i] = state.near_pressure[i] + k_near * wet.near_density
 
 

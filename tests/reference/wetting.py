@@ -1,4 +1,5 @@
 """The share of the ball in sums of particles near it, and its mass (docs/bits.md, Wetting)."""
+import balls
 import numpy as np
 from lists import larger, length2
 
@@ -53,48 +54,50 @@ def integrate(distance, radius, h):
 
 
 class Wet:
-    """A particle near the ball."""
+    """A particle near a ball."""
 
-    def __init__(self, i, normal, integrals):
-        self.id, self.normal = i, normal
+    def __init__(self, i, ball, normal, integrals):
+        self.id, self.ball, self.normal = i, ball, normal
         self.density, self.near_density, self.push, self.near_push = integrals
 
 
 class Wetting:
-    def __init__(self, d, real, mass):
-        self.d, self.real, self.mass = d, real, float(real(mass))
+    def __init__(self, state, d, real, masses):
+        self.d, self.real, self.masses = d, real, [float(real(mass)) for mass in masses]
         n, h = real(number_density(d)), d['fluid.support']
-        self.table = [[n * real(x) for x in integrate(node * h / (NODES - 1), d['ball.radius'], h)] for node in range(NODES)]
+        self.tables = [[[n * real(x) for x in integrate(node * h / (NODES - 1), d['ball.radius'], h)] for node in range(NODES)]
+                       for _ in balls.each(state, d)]
 
     def look_up(self, distance):
-        real = self.real
+        real, table = self.real, self.tables[self.d.ball]
         at = larger(distance, real(0)) * real((NODES - 1) / self.d['fluid.support'])
         node = min(int(at), NODES - 2)
         b = at - real(node)
         a = real(1) - b
-        return [a * low + b * high for low, high in zip(self.table[node], self.table[node + 1])]
+        return [a * low + b * high for low, high in zip(table[node], table[node + 1])]
 
     def find(self, state):
-        """The wet particles by rank (wetting, Wet)."""
+        """The wet particles of ball after ball, by rank (wetting, Wet)."""
         real, found = self.real, []
-        reach = real(self.d['ball.radius']) + real(self.d['fluid.support'])
-        d = state.f['position'] - state.f['ball_position'][0]
-        r2 = length2(d)
-        for i in state.list.ranks:
-            if r2[i] < reach * reach and r2[i] > 0:
-                r = np.sqrt(r2[i])
-                found.append(Wet(i, d[i] / r, self.look_up(r - real(self.d['ball.radius']))))
+        for k in balls.each(state, self.d):
+            reach = real(self.d['ball.radius']) + real(self.d['fluid.support'])
+            d = state.f['position'] - state.f['ball_position'][0]
+            r2 = length2(d)
+            for i in state.list.ranks:
+                if r2[i] < reach * reach and r2[i] > 0:
+                    r = np.sqrt(r2[i])
+                    found.append(Wet(i, k, d[i] / r, self.look_up(r - real(self.d['ball.radius']))))
         return found
 
     def push(self, state, acceleration):
-        """Adds the pushes of the ball, which takes the opposite ones (wetting, Push)."""
-        real, total, tau = self.real, [0.0] * 3, float(state.tau)
+        """Adds the pushes of the balls, which take the opposite ones (wetting, Push)."""
+        real, totals, tau = self.real, [[0.0] * 3 for _ in self.masses], float(state.tau)
         for wet in state.wet:
             push = real(2) * (state.pressure[wet.id] * wet.push + state.near_pressure[wet.id] * wet.near_push)
             by = push * wet.normal
             acceleration[wet.id] = acceleration[wet.id] + by
-            total = [t + x for t, x in zip(total, by.tolist())]
-        by = tau / self.mass
+            totals[wet.ball] = [t + x for t, x in zip(totals[wet.ball], by.tolist())]
+        by = [tau / mass for mass in self.masses]
         v, x = state.f['ball_velocity'], state.f['ball_position']
-        state.f['ball_velocity'] = v - np.array([[by * t for t in total]]).astype(real)
-        state.f['ball_position'] = x - np.array([[tau * by * t for t in total]]).astype(real)
+        state.f['ball_velocity'] = v - np.array([[b * t for t in total] for b, total in zip(by, totals)]).astype(real)
+        state.f['ball_position'] = x - np.array([[tau * b * t for t in total] for b, total in zip(by, totals)]).astype(real)

@@ -1,6 +1,7 @@
 """A world: its state, its stages in the order of a step, and commands (docs/bits.md, A step, Commands)."""
 import copy
 
+import balls
 import history
 import lists
 import numpy as np
@@ -87,10 +88,9 @@ class World:
 
     def configure(self):
         """Constants of the parameters in force."""
-        mass = wetting.ball_mass(self.d)
-        self.solids = solids.Solids(self.walls, self.d, self.real, mass)
-        has_ball = len(self.state.f.get('ball_position', ()))
-        self.wetting = wetting.Wetting(self.d, self.real, mass) if has_ball else None
+        masses = [wetting.ball_mass(self.d) for _ in balls.each(self.state, self.d)]
+        self.solids = solids.Solids(self.walls, self.d, self.real, masses)
+        self.wetting = wetting.Wetting(self.state, self.d, self.real, masses) if masses else None
         self.memory = history.Memory(self.d, self.real) if 'history_rows' in self.state.f else None
 
     # ---- Stages
@@ -110,12 +110,11 @@ class World:
             s.f['position'] = s.f['position'] + s.tau * s.f['velocity']
         elif name == 'vibrators':
             self.solids.vibrators(s)
-        elif name == 'ball_push':
-            self.solids.ball_push(s)
-        elif name == 'ball_motion':
-            self.solids.ball_motion(s)
-        elif name == 'ball':
-            self.solids.ball(s)
+        elif name in ('ball_push', 'ball_motion', 'ball'):
+            for _ in balls.each(s, d):
+                getattr(self.solids, name)(s)
+        elif name == 'balls':
+            balls.contacts(s, d, self.solids.masses, real)
         elif name == 'walls':
             self.solids.stop_at_walls(s)
         elif name == 'fractional_derivative':
@@ -176,10 +175,15 @@ class World:
             history.remake_modes(s, self.memory)
         if self.d.values['step'] != before['step']:
             s.f['step_origin'], s.f['time_origin'] = s.f['step'].copy(), np.array([[time]])
-        if c.path in ('ball.position', 'ball.velocity', 'ball.spin'):
-            s.f[c.path.replace('.', '_')] = np.array([self.d.vector(c.path)]).astype(self.real)
+        group, _, member = c.path.partition('.')
+        if group.startswith('ball') and member in ('position', 'velocity', 'spin'):
+            s.f['ball_' + member][int(group[4:] or 1) - 1] = np.array(self.d.vector(c.path)).astype(self.real)
 
     def push_body(self, c):
+        with balls.one(self.state, self.d, c.body):
+            self.push_ball(c)
+
+    def push_ball(self, c):
         s, mass, radius = self.state.f, float(self.solids.mass), float(self.real(self.d['ball.radius']))
         arm = [p - x for p, x in zip(c.point, s['ball_position'][0].tolist())] if c.point else [0.0] * 3
         torque = solids.cross(arm, c.impulse)
