@@ -383,7 +383,7 @@ static rheo_result unknown_key(const rheo__json_reader *r, const rheo__json_plac
         return rheo__json_refuse(r, at, "\"%s\" is now called \"%s\"", path, now);
     for (size_t i = 0; i < SPECIALS; i++)
         known[i + 1] = specials[i].path;
-    return rheo__json_unknown_key(r, at, path, known, SPECIALS + 1, "`rheolog scenes --schema` has them all");
+    return rheo__json_unknown_key(r, at, path, known, SPECIALS + 1, "`rheolog schema` has them all");
 }
 
 static bool is_group(const char *key)
