@@ -49,13 +49,14 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
         OK(rheo_world_stage(all, i, &info));
         assert_string_equal(info.name, stages[i]);
     }
-    /* Its history is a ring of velocities; it has one material, no plates, and nothing of the other model. */
+    /* Its history is a ring of velocities; it has one material, no plates, no emitters, and nothing of the other model. */
     const rheo__fields of_melting = RHEO__BIT(density) | RHEO__BIT(temperature) | RHEO__BIT(start_position) |
                                     RHEO__BIT(iterations) | RHEO__BIT(predicted_acceleration),
-                       of_plates = (RHEO__BIT(plate_phase) << 1) - RHEO__BIT(plate);
+                       of_plates = (RHEO__BIT(plate_phase) << 1) - RHEO__BIT(plate),
+                       of_emitters = (RHEO__BIT(emitter_blocked) << 1) - RHEO__BIT(emitter_time);
     assert_int_equal(all->state.present, (RHEO__SET_OF(RHEO__FIELD_COUNT) - 1) &
                                              ~(RHEO__BIT(history_modes) | RHEO__BIT(history_position) |
-                                               RHEO__BIT(material) | of_melting | of_plates));
+                                               RHEO__BIT(material) | of_melting | of_plates | of_emitters));
     rheo_world_destroy(all);
 
     /* Removing a feature removes its stages and fields. */
@@ -145,7 +146,7 @@ static void bad_definitions_are_refused(void **unused)
 static void arrays_are_copied_and_released(void **unused)
 {
     (void)unused;
-    _Static_assert(sizeof(rheo_world_def) < 2048, "definitions are small enough to be passed by value");
+    _Static_assert(sizeof(rheo_world_def) < 4096, "definitions are small enough to be passed by value");
     rheo_world_def def = rheo_default_world_def();
     rheo_wall wall = {{0, 0, 0}, {0, 2, 0}};
     double position[1][2] = {{3, 4}};

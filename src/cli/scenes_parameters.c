@@ -15,7 +15,7 @@ bool cli_has_parameter(rheo_model model, const rheo_parameter *p)
 const char *cli_parameter_default(rheo_model model, const rheo_parameter *p, char *value)
 {
     const rheo_scene scene = rheo_default_model_scene(model);
-    if (rheo_scene_get(&scene, p->path, value, 128) != RHEO_OK)
+    if (rheo_scene_get(&scene, p->path, value, 128) != RHEO_OK && rheo_emitter_default(p, value, 128) != RHEO_OK)
         rheo__number_text(p->minimum, value, 128); /* of a material: that of the main one */
     return value;
 }
@@ -28,11 +28,17 @@ rheo_model cli_first_model(const rheo_parameter *p)
     return model;
 }
 
-/* The parameters of a scene, then those of a material. */
+/* The parameters of a scene, then those of a material, then those of an emitter. */
 static const rheo_parameter *parameter_at(size_t index)
 {
     const size_t of_scene = rheo_scene_parameter_count();
-    return index < of_scene ? rheo_scene_parameter_at(index) : rheo_material_parameter_at(index - of_scene);
+    if (index < of_scene)
+        return rheo_scene_parameter_at(index);
+    const rheo_parameter *of_material = rheo_material_parameter_at(index - of_scene);
+    size_t of_materials = 0;
+    while (rheo_material_parameter_at(of_materials))
+        of_materials++;
+    return of_material ? of_material : rheo_emitter_parameter_at(index - of_scene - of_materials);
 }
 
 /* The only model that has the parameter; NULL if there are several. */

@@ -13,6 +13,7 @@
 #define CLI_SHAPES_MEANING "shapes that are filled with particles; particles are numbered in their order"
 #define CLI_MATERIALS_MEANING \
     "materials beside the main one, whose parameters are springs.* and history.*; shapes name theirs"
+#define CLI_EMITTERS_MEANING "nozzles that add particles while the world runs"
 #define CLI_MATERIAL_NAME_MEANING "a letter, then at most 14 letters, digits, - and _; not \"main\""
 
 /* The sides of a box. */

@@ -277,13 +277,9 @@ static void put_object(rheo__json *json, const cli_scene_object *object)
 
 /* ---- Materials ---- */
 
-/* Writes the materials: a list of objects with a name and parameters that are those of the main material by default. */
-static void put_materials(rheo__json *json)
+/* Writes the name of a material or an emitter. */
+static void put_name(rheo__json *json)
 {
-    static const char *const groups[] = {"springs", "history"};
-    const rheo_parameter *p;
-    begin_list_of(json, "materials", CLI_MATERIALS_MEANING, 0, RHEO_MAX_MATERIALS);
-    begin_closed(json, "items", NULL);
     rheo__json_begin_object(json, "name");
     put_type(json, "string");
     put_description(json, CLI_MATERIAL_NAME_MEANING, "");
@@ -292,6 +288,25 @@ static void put_materials(rheo__json *json)
     rheo__json_text(json, "const", "main");
     rheo__json_end_object(json);
     rheo__json_end_object(json);
+}
+
+static void put_text_key(rheo__json *json, const char *key, const char *meaning, size_t size)
+{
+    rheo__json_begin_object(json, key);
+    put_type(json, "string");
+    put_description(json, meaning, "");
+    rheo__json_number(json, "maxLength", (double)size - 1);
+    rheo__json_end_object(json);
+}
+
+/* Writes the materials: a list of objects with a name and parameters that are those of the main material by default. */
+static void put_materials(rheo__json *json)
+{
+    static const char *const groups[] = {"springs", "history"};
+    const rheo_parameter *p;
+    begin_list_of(json, "materials", CLI_MATERIALS_MEANING, 0, RHEO_MAX_MATERIALS);
+    begin_closed(json, "items", NULL);
+    put_name(json);
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
         begin_closed(json, groups[g], NULL);
         for (size_t i = 0; (p = rheo_material_parameter_at(i)); i++)
@@ -300,6 +315,24 @@ static void put_materials(rheo__json *json)
         end_closed(json, "");
     }
     end_closed(json, "name");
+    rheo__json_end_object(json);
+}
+
+/* ---- Emitters ---- */
+
+static void put_emitters(rheo__json *json, rheo_model model)
+{
+    const rheo_parameter *p;
+    begin_list_of(json, "emitters", CLI_EMITTERS_MEANING, 0, RHEO_MAX_EMITTERS);
+    begin_closed(json, "items", NULL);
+    put_name(json);
+    for (size_t i = 0; (p = rheo_emitter_parameter_at(i)); i++)
+        if (strcmp(p->path, "emitters.NAME.material") == 0 && cli_has_parameter(model, p))
+            put_text_key(json, "material", "name of the material of its particles; by default the main one",
+                         sizeof((rheo_material *)0)->name);
+        else if (cli_has_parameter(model, p))
+            put_parameter(json, p, model);
+    end_closed(json, "name position");
     rheo__json_end_object(json);
 }
 
@@ -332,15 +365,6 @@ static void put_group(rheo__json *json, const char *group, rheo_model model)
     end_closed(json, "");
 }
 
-static void put_text_key(rheo__json *json, const char *key, const char *meaning, size_t size)
-{
-    rheo__json_begin_object(json, key);
-    put_type(json, "string");
-    put_description(json, meaning, "");
-    rheo__json_number(json, "maxLength", (double)size - 1);
-    rheo__json_end_object(json);
-}
-
 static void put_model(rheo__json *json, rheo_model model)
 {
     char group[64], seen[512] = " ";
@@ -354,6 +378,7 @@ static void put_model(rheo__json *json, rheo_model model)
     rheo__json_end_object(json);
     if (cli_has_parameter(model, rheo_material_parameter_at(0)))
         put_materials(json);
+    put_emitters(json, model);
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
         const size_t length = strcspn(p->path, ".");
         snprintf(group, sizeof group, " %.*s ", (int)length, p->path);

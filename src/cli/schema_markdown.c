@@ -171,6 +171,8 @@ static void print_file(void)
     print_row("model", "word", "", names, rheo_model_name(0), rheo_scene_parameter_find("model")->about);
     snprintf(range, sizeof range, "at most %d", RHEO_MAX_MATERIALS);
     print_row("materials", "list", "", range, "none", CLI_MATERIALS_MEANING);
+    snprintf(range, sizeof range, "at most %d", RHEO_MAX_EMITTERS);
+    print_row("emitters", "list", "", range, "none", CLI_EMITTERS_MEANING);
     printf("| a [group](parameters.md) | object | | | | its parameters by name: `fluid.support` is "
            "`{\"fluid\": {\"support\": 4}}` |\n");
     print_row("comment", "anything", "", "", "none", "ignored; any object may have one");

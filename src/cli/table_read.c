@@ -112,6 +112,8 @@ static int add_settings(cli_sweep *s, cli_row *row, const char *name, const rheo
     usual.world = rheo_default_model_def(scene->world.model);
     for (usual.world.materials.count = 0; usual.world.materials.count < scene->world.materials.count;)
         usual.world.materials.list[usual.world.materials.count++] = rheo_default_material("");
+    for (usual.world.emitters.count = 0; usual.world.emitters.count < scene->world.emitters.count;)
+        usual.world.emitters.list[usual.world.emitters.count++] = rheo_default_emitter("");
     int status = add_setting(s, row, &hint, "scene", NULL, name, "");
     for (size_t i = 0; status == CLI_DONE && (p = rheo_world_def_parameter_at(&scene->world, i)) != NULL; i++)
         status = add_parameter(s, row, &hint, p, scene, &usual);

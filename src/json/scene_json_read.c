@@ -9,6 +9,7 @@
 
 #include "rheolog/scene_json.h"
 #include "json/file_name.h"
+#include "json/scene_json_listed.h"
 #include "json/scene_json_shape.h"
 
 /* ---- Walls ---- */
@@ -141,78 +142,6 @@ static rheo_result read_grid(const rheo__json_reader *r, const rheo__json_place 
     return result;
 }
 
-/* ---- Materials ---- */
-
-/* Reads "springs" or "history" of the last material: its parameters. */
-static rheo_result read_material_group(const rheo__json_reader *r, const rheo__json_place *at, json_t *value)
-{
-    rheo_scene *scene = r->user;
-    const char *key = NULL;
-    json_t *item = NULL;
-    size_t index = 0;
-    if (!json_is_object(value))
-        return rheo__json_refuse(r, at, "must be an object {...}; got %s", rheo__json_kind(value));
-    json_object_foreach(value, key, item)
-    {
-        const rheo__json_place here = {at, key, index++};
-        char path[96], text[32];
-        double number = 0;
-        rheo_error error = {""};
-        if (rheo__json_is_ignored(key))
-            continue;
-        snprintf(path, sizeof path, "materials.%u.%s.%.40s", scene->world.materials.count, at->key, key);
-        rheo_result result = RHEO_OK;
-        if (rheo_world_def_parameter_find(&scene->world, path))
-            result = rheo__json_read_number(r, &here, item, &number, 1);
-        if (result != RHEO_OK)
-            return result;
-        rheo_number_text(number, text);
-        if (rheo_scene_set(scene, path, text, &error) != RHEO_OK)
-            return rheo__json_refuse(r, &here, "%s", error.message);
-    }
-    return RHEO_OK;
-}
-
-static rheo_result read_material(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
-{
-    rheo_scene *scene = r->user;
-    rheo_material material = rheo_default_material("");
-    rheo_error error = {""};
-    const char *key = NULL;
-    json_t *item = NULL;
-    size_t index = 0;
-    if (!json_is_object(value) || !json_object_get(value, "name"))
-        return rheo__json_refuse(r, at, "must be an object with a name, {\"name\": \"cornstarch\", ...}; got %s",
-                                 json_is_object(value) ? "one without" : rheo__json_kind(value));
-    json_object_foreach((json_t *)value, key, item)
-    {
-        const rheo__json_place here = {at, key, index++};
-        if (strcmp(key, "name") != 0)
-            continue;
-        rheo_result result = rheo__json_read_text(r, &here, item, material.name, sizeof material.name);
-        if (result == RHEO_OK)
-            result =
-                rheo__scene_added(r, &here, rheo_world_def_add_material(&scene->world, &material, &error), &error);
-        if (result != RHEO_OK)
-            return result;
-    }
-    index = 0;
-    json_object_foreach((json_t *)value, key, item)
-    {
-        static const char *const known[] = {"name", "springs", "history"};
-        const rheo__json_place here = {at, key, index++};
-        rheo_result result = RHEO_OK;
-        if (strcmp(key, "springs") == 0 || strcmp(key, "history") == 0)
-            result = read_material_group(r, &here, item);
-        else if (strcmp(key, "name") != 0 && !rheo__json_is_ignored(key))
-            result = rheo__json_unknown_key(r, &here, key, known, sizeof known / sizeof *known,
-                                            "a material has a name, springs and history");
-        if (result != RHEO_OK)
-            return result;
-    }
-    return RHEO_OK;
-}
-
 /* ---- The curve of the history ---- */
 
 static rheo_result read_curve_point(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
@@ -248,6 +177,30 @@ static rheo_result read_about(const rheo__json_reader *r, const rheo__json_place
     return rheo__json_read_text(r, at, value, scene->about, sizeof scene->about);
 }
 
+/* Emitters name materials, which may follow in the file: read_emitters() reads them at the end. */
+static rheo_result read_emitters_later(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
+{
+    (void)r;
+    (void)at;
+    (void)value;
+    return RHEO_OK;
+}
+
+static rheo_result read_emitters(const rheo__json_reader *r, json_t *file)
+{
+    const rheo__json_place top = {NULL, NULL, 0};
+    const char *key = NULL;
+    json_t *item = NULL;
+    size_t index = 0;
+    json_object_foreach(file, key, item)
+    {
+        const rheo__json_place here = {&top, key, index++};
+        if (strcmp(key, "emitters") == 0)
+            return rheo__json_read_list(r, &here, item, rheo__scene_read_emitter);
+    }
+    return RHEO_OK;
+}
+
 typedef rheo_result read_function(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value);
 
 /* `read` reads the value; if `element` is set, the value is a list and `element` reads each element. */
@@ -262,7 +215,8 @@ static const special specials[] = {
     {"about", read_about, NULL, NULL},
     {"model", NULL, NULL, NULL}, /* read_model() has already read it */
     {"fluid.shapes", NULL, rheo__scene_read_shape, NULL},
-    {"materials", NULL, read_material, "springs.stiffness"},
+    {"materials", NULL, rheo__scene_read_material, "springs.stiffness"},
+    {"emitters", read_emitters_later, NULL, NULL},
     {"walls.planes", NULL, read_plane, NULL},
     {"walls.boxes", NULL, read_box, NULL},
     {"vibrators.positions", NULL, read_position, "vibrators.kind"},
@@ -336,8 +290,8 @@ static rheo_result read_model(const rheo__json_reader *r, json_t *file)
 
 /* ---- Parameters ---- */
 
-static rheo_result read_parameter(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
-                                  const rheo_parameter *p)
+rheo_result rheo__scene_read_parameter(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                       const rheo_parameter *p)
 {
     rheo_scene *scene = r->user;
     char buffer[128], words[256], component[3][32];
@@ -421,7 +375,7 @@ static rheo_result read_group(const rheo__json_reader *r, const rheo__json_place
         else if (other)
             result = read_special(r, &here, item, other);
         else if (p)
-            result = read_parameter(r, &here, item, p);
+            result = rheo__scene_read_parameter(r, &here, item, p);
         else if (!group && is_group(key))
             result = read_group(r, &here, item, key);
         else
@@ -481,6 +435,8 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
     rheo_result result = read_model(&r, root);
     if (result == RHEO_OK)
         result = read_group(&r, &file, root, NULL);
+    if (result == RHEO_OK)
+        result = read_emitters(&r, root);
     json_decref(root);
     return result;
 }

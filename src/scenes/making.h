@@ -39,6 +39,8 @@ rheo_result rheo__check_overlaps(const rheo__filling *filling, const rheo_world_
                                  rheo_error *error);
 /* The part of it that compares the density with that at rest (scenes/crowding.c). */
 void rheo__check_crowding(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
+/* The part of it that concerns emitters (scenes/check_emitters.c). */
+void rheo__check_emitters(const rheo_world_def *def, rheo__warnings *warnings);
 /* Examines the ball at its place among the particles of *def. */
 void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
 

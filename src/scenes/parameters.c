@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "core/error.h"
-#include "world/parameters.h"
+#include "world/listed.h"
 #include "world/model_list.h"
 #include "world/row_macros.h"
 
@@ -55,7 +55,7 @@ const char *rheo_scene_parameter_nearest(const char *path)
 rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error)
 {
     const rheo_parameter *p = rheo_scene_parameter_find(path);
-    if (!p && rheo__is_of_material(path))
+    if (!p && rheo__list_of(path))
         return rheo_world_def_set(&scene->world, path, value, error);
     if (!p)
         return rheo__parameter_unknown(path, rheo_scene_parameter_nearest(path), error);

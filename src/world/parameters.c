@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/strict.h"
 #include "core/text.h"
+#include "world/listed.h"
 #include "world/model_list.h"
 #include "world/row_macros.h"
 
@@ -302,7 +303,8 @@ rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error)
     const rheo__parameter_row *row;
     for (size_t i = 0; (row = row_at(i)); i++)
         RHEO__TRY(rheo__row_check(def, row, error));
-    return rheo__materials_check(def, error);
+    RHEO__TRY(rheo__materials_check(def, error));
+    return rheo__list_check(def, &rheo__emitters, error);
 }
 
 /* ---- As text ---- */
@@ -410,12 +412,12 @@ rheo_result rheo__row_get(const void *owner, const rheo__parameter_row *row, cha
 rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value, rheo_error *error)
 {
     const rheo_parameter *p = rheo_world_def_parameter_find(def, path);
-    if (!p && rheo__is_of_material(path))
-        return rheo__material_unknown(def, path, error);
+    if (!p && rheo__list_of(path))
+        return rheo__listed_unknown(def, path, error);
     if (!p)
         return rheo__parameter_unknown(path, rheo_parameter_nearest(path), error);
     if (p->type == RHEO_PARAMETER_NAME)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be set; a material keeps its name", path);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be set; it keeps its name", path);
     RHEO__TRY(rheo__parameter_check_model(p, def->model, error));
     return rheo__row_set(def, row_of(p), value, error);
 }
@@ -430,8 +432,10 @@ const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rh
                                                char of_a[96], char of_b[96])
 {
     const rheo_parameter *p;
-    const rheo_world_def *all = a->materials.count > b->materials.count ? a : b;
-    while ((p = rheo_world_def_parameter_at(all, (*index)++))) {
+    rheo_world_def all = *a; /* has the items of both */
+    all.materials.count = a->materials.count > b->materials.count ? a->materials.count : b->materials.count;
+    all.emitters.count = a->emitters.count > b->emitters.count ? a->emitters.count : b->emitters.count;
+    while ((p = rheo_world_def_parameter_at(&all, (*index)++))) {
         of_a[0] = of_b[0] = 0;
         rheo_world_def_get(a, p->path, of_a, 96);
         rheo_world_def_get(b, p->path, of_b, 96);

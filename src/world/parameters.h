@@ -51,16 +51,9 @@ rheo_result rheo__parameter_unknown(const char *path, const char *nearest, rheo_
 
 /* ---- Materials (world/materials.c) ---- */
 
-/* Whether a path begins with "materials."; its part after the material, else the whole path. */
-bool rheo__is_of_material(const char *path);
-const char *rheo__in_material(const char *path);
 /* The names of the materials, as a part of a sentence. */
 enum { RHEO__MATERIALS_TEXT = 32 + 20 * RHEO_MAX_MATERIALS };
 const char *rheo__materials_text(const rheo_world_def *def, char text[RHEO__MATERIALS_TEXT]);
-/* Number of the material whose parameter a row is; 0: it is no parameter of a material. */
-uint32_t rheo__material_number(const char *path);
-/* Says that the definition has no such material, or a material no such parameter. */
-rheo_result rheo__material_unknown(const rheo_world_def *def, const char *path, rheo_error *error);
 /* Check the materials of a definition, and those of its particles. */
 rheo_result rheo__materials_check(const rheo_world_def *def, rheo_error *error);
 rheo_result rheo__materials_check_particles(const rheo_world_def *def, rheo_error *error);
@@ -74,7 +67,7 @@ rheo_result rheo__parameter_assign(rheo_world_def *def, const rheo_parameter *pa
 void rheo__parameters_set_defaults(rheo_world_def *def, rheo_model model);
 /* Refuses the first parameter that is out of its range. */
 rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error);
-/* NULL if there is none of that name; those of materials are not found. */
+/* NULL if there is none of that name; those of listed items are not found. */
 const rheo_parameter *rheo__parameter_find(const char *path);
 
 #endif
