@@ -90,7 +90,7 @@ static void commands_tell_of_emitters(void **state)
     assert_code(0, run("check jet"));
     assert_in("\n  emitters           up to 2871 particles more in 600 steps\n", out);
     assert_code(2, run("run --from jet.rlog --set emitters.nozzle.speed=90 --steps 1"));
-    assert_in("emitters.nozzle.speed is 90: that is 1.48 supports in a step", err);
+    assert_in("emitters.nozzle.speed is 90: that is 1.49 supports in a step", err);
 }
 
 static void scene_files_have_emitters(void **state)

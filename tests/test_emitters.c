@@ -436,6 +436,42 @@ static void a_failure_is_recorded(void **unused)
     remove(PATH);
 }
 
+/* A state that no emission leaves behind is refused; it could keep a step from ending. */
+static void damaged_states_are_refused(void **unused)
+{
+    (void)unused;
+    rheo_world *world = emitting(free_def(), jet());
+    steps(world, 3);
+    OK(rheo__world_check_state(world, true, &error));
+    static const double bad[] = {-1e-9, -1e300, (double)INFINITY, (double)NAN};
+    for (size_t i = 0; i < 4; i++) {
+        const double way = world->state.emitter_way[7];
+        world->state.emitter_way[7] = bad[i];
+        assert_int_equal(rheo__world_check_state(world, true, &why), RHEO_ERROR_FORMAT);
+        world->state.emitter_way[7] = way;
+    }
+    rheo_world_destroy(world);
+}
+
+/* Neither does a change of the step and the speed keep it from ending. */
+static void any_settings_end_a_step(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = free_def();
+    rheo_emitter e = jet();
+    def.step = 1e5;
+    e.speed = 1e-9;
+    rheo_world *world = emitting(def, e);
+    steps(world, 2);
+    OK(rheo_world_set(world, "step", "1e-9", &error));
+    OK(rheo_world_set(world, "emitters.jet.speed", "1e9", &error)); /* 1e14 supports since the last step */
+    steps(world, 2);
+    /* 1000 layers, of which the newest is where the first still is. */
+    assert_int_equal(state_of(world).emitted, 9 * 1000);
+    assert_int_equal(state_of(world).blocked, 9);
+    rheo_world_destroy(world);
+}
+
 /* A world without emitters has no field of them. */
 static void other_worlds_pay_nothing(void **unused)
 {
@@ -616,6 +652,8 @@ int main(void)
         cmocka_unit_test(melting_worlds_have_emitters),
         cmocka_unit_test(recordings_verify_and_are_continued),
         cmocka_unit_test(a_failure_is_recorded),
+        cmocka_unit_test(damaged_states_are_refused),
+        cmocka_unit_test(any_settings_end_a_step),
         cmocka_unit_test(other_worlds_pay_nothing),
         cmocka_unit_test(bad_emitters_are_refused),
         cmocka_unit_test(scenes_know_their_emitters),

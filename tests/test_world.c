@@ -52,11 +52,10 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
     /* Its history is a ring of velocities; it has one material, no plates, no emitters, and nothing of the other model. */
     const rheo__fields of_melting = RHEO__BIT(density) | RHEO__BIT(temperature) | RHEO__BIT(start_position) |
                                     RHEO__BIT(iterations) | RHEO__BIT(predicted_acceleration),
-                       of_plates = (RHEO__BIT(plate_phase) << 1) - RHEO__BIT(plate),
-                       of_emitters = (RHEO__BIT(emitter_blocked) << 1) - RHEO__BIT(emitter_time);
+                       of_plates_and_emitters = (RHEO__BIT(emitter_blocked) << 1) - RHEO__BIT(plate);
     assert_int_equal(all->state.present, (RHEO__SET_OF(RHEO__FIELD_COUNT) - 1) &
                                              ~(RHEO__BIT(history_modes) | RHEO__BIT(history_position) |
-                                               RHEO__BIT(material) | of_melting | of_plates | of_emitters));
+                                               RHEO__BIT(material) | of_melting | of_plates_and_emitters));
     rheo_world_destroy(all);
 
     /* Removing a feature removes its stages and fields. */

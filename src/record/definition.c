@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "record/head.h"
-#include "world/listed.h"
 #include "world/model_list.h"
 
 static bool has_default(const rheo_world_def *def, const rheo_parameter *parameter)

@@ -258,10 +258,9 @@ static void check_materials(const inspection *c)
         for (uint32_t e = 0; e < c->def->emitters.count; e++)
             used = used || c->def->emitters.list[e].material == k + 1;
         if (!used)
-            rheo__warn(
-                c->warnings, rheo__warning_of(RHEO_WARNING_PARAMETER),
-                "no shape is of the material \"%s\": give one \"material\": \"%s\", or leave the material out",
-                name, name);
+            rheo__warn(c->warnings, rheo__warning_of(RHEO_WARNING_PARAMETER),
+                       "no shape is of the material \"%s\": give one \"material\": \"%s\", or leave the material out",
+                       name, name);
     }
 }
 

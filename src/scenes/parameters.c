@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "core/error.h"
-#include "world/listed.h"
+#include "world/parameters.h"
 #include "world/model_list.h"
 #include "world/row_macros.h"
 

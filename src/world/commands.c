@@ -10,7 +10,6 @@
 #include "core/environment.h"
 #include "solids/solids.h"
 #include "world/command_queue.h"
-#include "world/listed.h"
 
 static rheo_result no_memory(rheo_error *error)
 {

@@ -21,7 +21,8 @@ static rheo_result check_features(const rheo_world_def *def, uint32_t features, 
     const rheo__model_type *type = rheo__model(def->model);
     const uint32_t needed = rheo__world_features(def);
     if ((needed & ~features) || ((needed ^ features) & (type->fixed_features | RHEO__FEATURE_EMITTERS)) ||
-        (features & ~(type->possible_features | RHEO__FEATURE_EMITTERS)) || (type->check_features && !type->check_features(def, features)))
+        (features & ~(type->possible_features | RHEO__FEATURE_EMITTERS)) ||
+        (type->check_features && !type->check_features(def, features)))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "the features %#x are not those of a world of this definition, %#x", (unsigned)features,
                           (unsigned)needed);

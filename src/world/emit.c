@@ -16,6 +16,15 @@
 #include "world/emitters.h"
 #include "world/model.h"
 
+enum { MOST_LAYERS = 1000 };
+
+/* How far a layer has moved since the last step. Speed and step may have changed since; so many layers are never meant. */
+static double way_moved(const rheo_emitter *e, double begin, double end, double spacing)
+{
+    const double way = e->speed * (end - begin), most = MOST_LAYERS * spacing;
+    return way < most ? way : most;
+}
+
 /* Layers that are due after a way, with w as it was before. Advances w. */
 static uint32_t layers_due(double *way, double moved, double spacing)
 {
@@ -43,7 +52,8 @@ static uint64_t most_due(const rheo_world *w, double from, double to)
         double way = w->state.emitter_way[k], begin, end;
         if (!flows(e, from, to, &begin, &end) || emitted >= e->limit)
             continue;
-        const uint32_t layers = layers_due(&way, e->speed * (end - begin), w->def.fluid.spacing);
+        const uint32_t layers =
+            layers_due(&way, way_moved(e, begin, end, w->def.fluid.spacing), w->def.fluid.spacing);
         const uint64_t left = e->limit - emitted,
                        due = layers ? layers * rheo_world_def_emitter_sites(&w->def, k) : 0;
         most += due < left ? due : left;
@@ -106,7 +116,7 @@ static void emit_from(rheo_world *w, uint32_t k, double from, double to)
     double begin, end;
     if (!flows(e, from, to, &begin, &end))
         return;
-    double way = w->state.emitter_way[k] - e->speed * (end - begin);
+    double way = w->state.emitter_way[k] - way_moved(e, begin, end, spacing);
     if (way <= 0) {
         const rheo__opening opening = rheo__emitter_opening(&w->def, e);
         for (; way <= 0; way += spacing)

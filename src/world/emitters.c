@@ -1,5 +1,5 @@
 /*
- * The emitters of a definition, a list of named items (world/listed.h): parameters, openings, checks.
+ * The emitters of a definition, a list of named items (world/listed.c): parameters, openings, checks.
  *
  * The opening is a plane with the normal d. Its first axis is horizontal, a = y x d/|y x d|, or x where d is vertical; the
  * second is b = d x a. A disc has the sites spacing (i a + j b) with integers i, j and i^2 + j^2 <= (radius/spacing)^2.
@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "core/strict.h"
 #include "core/text.h"
-#include "world/listed.h"
+#include "world/parameters.h"
 #include "world/model.h"
 
 /* ---- Rows ---- */

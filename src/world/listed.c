@@ -1,5 +1,5 @@
-/* Lists of named items in a definition (world/listed.h). */
-#include "world/listed.h"
+/* Lists of named items in a definition (world/parameters.h). */
+#include "world/parameters.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,10 +1,10 @@
-/* The materials of a definition, a list of named items (world/listed.h). */
+/* The materials of a definition, a list of named items (world/listed.c). */
 #include <stdio.h>
 #include <string.h>
 
 #include "core/error.h"
 #include "core/strict.h"
-#include "world/listed.h"
+#include "world/parameters.h"
 
 /* ---- Rows ---- */
 

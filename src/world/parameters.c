@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/strict.h"
 #include "core/text.h"
-#include "world/listed.h"
 #include "world/model_list.h"
 #include "world/row_macros.h"
 

@@ -211,7 +211,8 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
     check_writes(w, w->stage_count, before, NULL);
 #endif
     w->trace.count = 0;
-    rheo__step_hashes_begin(&w->trace.known, &w->state, traced && w->stage_runs_done == 0 && w->command_count == 0 && !w->emission.made);
+    rheo__step_hashes_begin(&w->trace.known, &w->state,
+                            traced && w->stage_runs_done == 0 && w->command_count == 0 && !w->emission.made);
     double start = now();
     for (; w->stage_runs_done < rheo__world_stage_runs_in_step(w) && !differs; w->stage_runs_done++) {
         const uint32_t index = rheo__world_stage_of(w, w->stage_runs_done);
