@@ -9,7 +9,7 @@ trap 'rm -rf "$scratch"' EXIT
     echo "docs/parameters.md is out of date: rheolog scenes --markdown > docs/parameters.md"
     exit 1
 }
-"$program" scenes --schema >"$scratch/schema.json"
+"$program" schema >"$scratch/schema.json"
 "$program" scenes --parameters --json >"$scratch/parameters"
 if ! command -v python3 >/dev/null; then
     echo "no python3 here: the schema is not checked"

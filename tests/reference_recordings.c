@@ -350,6 +350,16 @@ int main(int argc, char **argv)
     def.space.period[1] = 15.3;
     record(&def, argv[1], "made-periodic", 8, false);
 
+    /* Only read. */
+    def = rheo_default_world_def();
+    fill(&def, 3, 3, 3);
+    rheo_emitter jet = rheo_default_emitter("jet");
+    jet.position[1] = 40;
+    jet.radius = 3;
+    jet.speed = 30;
+    OK(rheo_world_def_add_emitter(&def, &jet, &error));
+    record(&def, argv[1], "made-emitters", 14, false);
+
     def = rheo_default_world_def();
     fill(&def, 11, 10, 10);
     def.history.window = 12;

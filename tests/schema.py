@@ -26,6 +26,9 @@ def check(parameter):
         assert (entry is not None) == (model in parameter["models"]), (model, parameter["path"])
         if entry is None:
             continue
+        if parameter["path"] == "emitters.NAME.material":  # a name in the file
+            assert entry["type"] == "string"
+            continue
         assert entry["default"] == parameter["models"][model], parameter["path"]
         kind = parameter["type"]
         if kind == "choice":
@@ -38,6 +41,25 @@ def check(parameter):
         assert ranged[high] == parameter["maximum"], parameter["path"]
 
 
+def check_described(entry, path):
+    """Every property has a description, or holds only such."""
+    for key, value in entry.get("properties", {}).items():
+        where = path + "." + key
+        if "items" not in value and "properties" not in value:
+            assert value.get("description"), where
+        check_described(value, where)
+    items = entry.get("items", {})
+    for one in items.get("oneOf", [items] if items else []):
+        check_described(one, path + "[]")
+
+
+for model in models:
+    check_described(models[model], model)
+try:
+    check_described({"properties": {"a": {"properties": {"b": {"type": "number"}}}}}, "")
+    sys.exit("the check does not notice a missing description")
+except AssertionError:
+    pass
 assert len(parameters) > 70 and len(models) >= 2
 for parameter in parameters:
     check(parameter)
@@ -67,12 +89,20 @@ bad = ['{"step": 0}', '{"step": "1"}', '{"stp": 1}', '{"springs": {"solver": "ma
        '{"melting": {"viscosity": 1}}', '{"model": "melting", "springs": {"stiffness": 1}}', '{"gravity": [0, 1]}',
        '{"fluid": {"shapes": [{"cube": {}}]}}', '{"fluid": {"shapes": [{"sphere": {"radius": 1}}]}}',
        '{"history": {"window": 1.5}}', '{"history": {"lag": -1}}', '{"history": {"curve": [[0, 1]]}}',
-       '{"materials": [{"name": "main"}]}', '{"materials": [{"name": "1"}]}', '{"history": {"curve": []}}', '{"history": {"curve": [[0, 1], [1]]}}', '{"walls": {"planes": [{"point": [0, 0, 0]}]}}', '{"sources": {}}']
+       '{"materials": [{"name": "main"}]}', '{"materials": [{"name": "1"}]}', '{"emitters": [{"name": "a"}]}', '{"emitters": [{"position": [0, 0, 0]}]}',
+       '{"emitters": [{"name": "a", "position": [0, 0, 0], "speed": 0}]}', '{"emitters": [{"name": "a", "position": [0, 0, 0], "sped": 1}]}',
+       '{"model": "melting", "emitters": [{"name": "a", "position": [0, 0, 0], "material": "main"}]}',
+       '{"emitters": [{"name": "a", "position": [0, 0, 0], "flow": true}]}', '{"history": {"curve": []}}', '{"history": {"curve": [[0, 1], [1]]}}', '{"walls": {"planes": [{"point": [0, 0, 0]}]}}', '{"sources": {}}']
 commented = ('{"$schema": "s.json", "comment": ["a", 1], "settle": {"comment": 1}, "fluid": {"comment": null, "shapes": [{"comment": "",'
              ' "sphere": {"comment": {}, "centre": [0, 4, 0], "radius": 2}}]}, "walls": {"planes": [{"comment": 1, "point": [0, 0, 0],'
              ' "normal": [0, 1, 0]}], "boxes": [{"$schema": 1, "min": [0, 0, 0], "max": [1, 1, 1]}]},'
              ' "vibrators": {"grid": {"comment": 1, "min": [0, 0], "max": [4, 4], "spacing": 2}}}')
-good = [commented, '{}', '{"materials": [{"name": "mainly"}]}', '{"history": {"window": "2.5 s", "lag": "0 s"}}', '{"history": {"curve": [[0, 1], [1, 0]]}}',
+commented_materials = ('{"materials": [{"comment": 1, "$schema": 1, "name": "dough", "springs": {"comment": [], "stiffness": 1}, "history":'
+                       ' {"comment": 1, "$schema": ""}}], "history": {"comment": 1, "curve": [[0, 1], [1, 0]]}, "ball": {"comment": 1}}')
+commented_melting = '{"comment": 1, "model": "melting", "melting": {"comment": 1}, "walls": {"$schema": 1, "planes": []}}'
+emitting = ('{"emitters": [{"name": "a", "comment": 1, "$schema": 1, "position": [0, 9, 0], "shape": "rectangle", "width": 3, "material": "b",'
+            ' "end": 3}], "materials": [{"name": "b"}]}')
+good = [emitting, '{"model": "melting", "emitters": [{"name": "a", "position": [0, 9, 0], "temperature": 3}]}', commented, commented_materials, commented_melting, '{}', '{"materials": [{"name": "mainly"}]}', '{"history": {"window": "2.5 s", "lag": "0 s"}}', '{"history": {"curve": [[0, 1], [1, 0]]}}',
         '{"model": "melting", "walls": {"boxes": []}}']
 for text in bad:
     assert not validator.is_valid(json.loads(text)), text

@@ -9,7 +9,7 @@
 static const char *const commands[] = {"bench",   "bless",       "check",  "checkpoint", "curves",    "diff",
                                        "doctor",  "experiments", "export", "info",       "inspect",   "log",
                                        "metrics", "render",      "report", "rerecord",   "rheometer", "run",
-                                       "same",    "scenes",      "table",  "verify"};
+                                       "same",    "scenes",      "schema", "table",      "verify"};
 
 static void assert_fits_80_columns(void)
 {
@@ -176,7 +176,9 @@ static void bad_usage_is_reported(void **state)
         {"inspect none.rlog --step last", "whole number"},
         {"scenes x", "\"x\""},
         {"scenes --parameters meltin.", "no parameter begins with \"meltin.\""},
-        {"scenes --schema --parameters step", "leave \"step\" out"},
+        {"scenes --markdown --parameters step", "leave \"step\" out"},
+        {"schema x", "takes no operand"},
+        {"schema --markdown x", "\"x\""},
         {"export", "one recording"},
         {"export a b", "one recording"},
         {"export none.rlog --format vtp", "-o DIR"},

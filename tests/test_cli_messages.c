@@ -251,7 +251,7 @@ static void unlike_words_are_not_suggested(void **state)
     if (json_scenes) {
         write_file("unlike.json", "{\"xyzzy\": 3}", 12);
         assert_code(2, run("run unlike.json"));
-        assert_one_message("unknown key; `rheolog scenes --schema` has them all");
+        assert_one_message("unknown key; `rheolog schema` has them all");
         assert_not_in("did you mean", err);
     }
     assert_code(2, run("run bowling-ball --set balls=3")); /* the group of a parameter */

@@ -49,13 +49,13 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
         OK(rheo_world_stage(all, i, &info));
         assert_string_equal(info.name, stages[i]);
     }
-    /* Its history is a ring of velocities; it has one material, no plates or obstacles, and nothing of the other model. */
+    /* Its history is a ring of velocities; it has one material, no plates, obstacles or emitters, and nothing of the other model. */
     const rheo__fields of_melting = RHEO__BIT(density) | RHEO__BIT(temperature) | RHEO__BIT(start_position) |
                                     RHEO__BIT(iterations) | RHEO__BIT(predicted_acceleration),
-                       of_solids = (RHEO__BIT(obstacle_phase) << 1) - RHEO__BIT(plate);
+                       of_others = (RHEO__BIT(emitter_blocked) << 1) - RHEO__BIT(plate);
     assert_int_equal(all->state.present, (RHEO__SET_OF(RHEO__FIELD_COUNT) - 1) &
                                              ~(RHEO__BIT(history_modes) | RHEO__BIT(history_position) |
-                                               RHEO__BIT(material) | of_melting | of_solids));
+                                               RHEO__BIT(material) | of_melting | of_others));
     rheo_world_destroy(all);
 
     /* Removing a feature removes its stages and fields. */

@@ -304,6 +304,8 @@ typedef struct rheo_memory {
     double history;
     /** Of pairs of neighbours: grows with the third power of the support divided by the spacing. */
     double neighbours;
+    /** Particles that emitters add in these steps, at most. The memory is that of all. */
+    uint64_t emitted;
 } rheo_memory;
 /**
  * Estimates the memory that rheo_scene_create_world() and this many steps need, within about 40 %, without making any
@@ -390,19 +392,21 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
     X(FAR, "far")                       \
     X(BALL_TOO_SMALL, "ball-too-small") \
     X(IN_OBSTACLE, "in-obstacle")   \
-    X(BALLS_OVERLAP, "balls-overlap")
+    X(BALLS_OVERLAP, "balls-overlap")   \
+    X(EMITTER, "emitter")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes or a plate hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
  * shape), RHEO_WARNING_TURNED_NORMAL (all particles are behind a wall), RHEO_WARNING_OVERLAP (particles are closer
  * than half the spacing), RHEO_WARNING_BALL_IN_WALL, RHEO_WARNING_BALL_TOO_LARGE (two walls are closer than its
- * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape moves more than a support in a step),
+ * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape, or the fluid of an emitter, moves more than a support in a step),
  * RHEO_WARNING_PARAMETER (a measure of docs/debugging.md that follows from the parameters is out of range),
  * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
  * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest; or a shape is so, because
  * the spacing does not fit the support), RHEO_WARNING_FAR (positions are so large that what they lose by rounding counts),
  * RHEO_WARNING_BALL_TOO_SMALL (the ball falls between the particles), RHEO_WARNING_IN_OBSTACLE (particles of a shape are
- * where an obstacle has no fluid), RHEO_WARNING_BALLS_OVERLAP (two balls). SPEED: also of an obstacle.
+ * where an obstacle has no fluid), RHEO_WARNING_BALLS_OVERLAP (two balls), RHEO_WARNING_EMITTER (an emitter is in
+ * the fluid, or flows into a wall at once). SPEED: also of an obstacle.
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,

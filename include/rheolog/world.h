@@ -35,6 +35,8 @@ extern "C" {
 #define RHEO_MAX_OBSTACLE_TRIANGLES 200000
 /** Most balls of a world. */
 #define RHEO_MAX_BALLS 16
+/** Most emitters of a world. */
+#define RHEO_MAX_EMITTERS 8
 /** Most materials of a world beside the main one. */
 #define RHEO_MAX_MATERIALS 16
 
@@ -315,6 +317,50 @@ typedef struct rheo_obstacle {
     } mesh;
 } rheo_obstacle;
 
+/** Opening of an emitter: a disc, or a rectangle. */
+typedef enum rheo_emitter_shape { RHEO_EMITTER_DISC = 0, RHEO_EMITTER_RECTANGLE = 1 } rheo_emitter_shape;
+
+/** Whether fluid flows from an emitter. */
+typedef enum rheo_emitter_flow { RHEO_EMITTER_OFF = 0, RHEO_EMITTER_ON = 1 } rheo_emitter_flow;
+
+/**
+ * An emitter: a nozzle that adds particles while a world runs. It emits layers, plane square lattices of distance
+ * fluid.spacing, each as soon as the one before has moved on by fluid.spacing; a layer that left in the middle of a step
+ * begins where it has come to since. So the volume that flows out is speed x area x time, where a particle stands for
+ * spacing^3. Layers are emitted at the beginning of a step, after commands. A particle that would be nearer than half a
+ * spacing to another, or in the ball, is left out. Start from rheo_default_emitter().
+ */
+typedef struct rheo_emitter {
+    /** Name in scene files: a letter, then letters, digits, - and _. Not "main"; no two emitters have the same. */
+    char name[16];
+    /** Opening. Words disc, rectangle; default disc. */
+    rheo_emitter_shape shape;
+    /** Whether it flows. Words off, on; default on. A pause does not change where the next layer is due. */
+    rheo_emitter_flow flow;
+    /** Centre of the opening. Unit L. In front of all walls; default [0, 0, 0]. */
+    double position[3];
+    /** Direction of the flow, and normal of the opening. Any length but 0; default [0, -1, 0]. */
+    double direction[3];
+    /** Disc: radius. Unit L. Range >= 0, at most 1000 spacings; default 0: a thread of single particles. */
+    double radius;
+    /**
+     * Rectangle: width, along the horizontal axis in the opening (along x if the flow is vertical), and height, along the
+     * other one. round(width/spacing) x round(height/spacing) particles, at least one each. Unit L. Range >= 0, at most
+     * 1000 spacings; default 0.
+     */
+    double width, height;
+    /** Speed of the particles. Unit L/T. Range > 0, at most a support in a step; default 1. */
+    double speed;
+    /** Times at which it begins and ends to flow. Unit T. Range >= 0, default 0 and 1e30. */
+    double start, end;
+    /** Most particles that it emits. Range 1 to 2^30, default 10000. */
+    uint64_t limit;
+    /** Thickening only: number of their material (rheo_world_def_material()). Fixed. Default 0, the main one. */
+    uint64_t material;
+    /** Melting only: their temperature. Unit K. Fixed. Default -1e30: melting.temperature. */
+    double temperature;
+} rheo_emitter;
+
 /**
  * Definition of a world. Start from rheo_default_world_def() or rheo_default_model_def() and change members.
  *
@@ -565,6 +611,13 @@ typedef struct rheo_world_def {
         rheo_material list[RHEO_MAX_MATERIALS];
     } materials;
 
+    /** Emitters. */
+    struct {
+        /** Number of emitters. Range 0 to RHEO_MAX_EMITTERS, default 0. */
+        uint32_t count;
+        rheo_emitter list[RHEO_MAX_EMITTERS];
+    } emitters;
+
     /** The melting model, in the terms of its paper. */
     struct {
         /**
@@ -719,6 +772,15 @@ RHEO_API rheo_obstacle rheo_default_obstacle(rheo_obstacle_shape shape);
 /** Adds an obstacle to a definition. RHEO_ERROR_ARGUMENT if it has too many. */
 RHEO_API rheo_result rheo_world_def_add_obstacle(rheo_world_def *def, const rheo_obstacle *obstacle,
                                                  rheo_error *error);
+/** An emitter with this name and the defaults. A name that is too long is cut. */
+RHEO_API rheo_emitter rheo_default_emitter(const char *name);
+/**
+ * Adds an emitter to a definition. RHEO_ERROR_ARGUMENT for a bad name, one that another emitter has, or too many; the rest
+ * is checked by rheo_world_def_check().
+ */
+RHEO_API rheo_result rheo_world_def_add_emitter(rheo_world_def *def, const rheo_emitter *emitter, rheo_error *error);
+/** Number of particles in a layer of emitter 0, 1, ... of a valid definition; 0 if there is no such emitter. */
+RHEO_API uint64_t rheo_world_def_emitter_sites(const rheo_world_def *def, uint32_t emitter);
 /** Number of models; a rheo_model is below it. */
 RHEO_API uint32_t rheo_model_count(void);
 /** Name of a model, as in scene files: "thickening", "melting". NULL past the last model. */
@@ -744,7 +806,7 @@ typedef enum rheo_parameter_type {
     RHEO_PARAMETER_CHOICE,
     /** Steps, or seconds written "2.5 s". */
     RHEO_PARAMETER_WINDOW,
-    /** Name of a material. */
+    /** Name of a material or an emitter. */
     RHEO_PARAMETER_NAME,
 } rheo_parameter_type;
 
@@ -783,19 +845,18 @@ RHEO_API size_t rheo_parameter_count(void);
 /** Parameter by index; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_parameter_at(size_t index);
 /**
- * Parameters of a definition with its materials and obstacles: those of rheo_parameter_at(), then six of each material,
- * such as materials.1.name and materials.1.springs.stiffness, then those of each obstacle, such as
- * obstacles.0.velocity, that its shape has.
- * Parameters of a definition with its materials and further balls: those of rheo_parameter_at(), then six of each material, such as
- * materials.1.name and materials.1.springs.stiffness, then those of each further ball, such as ball2.radius.
+ * Parameters of a definition with its items: those of rheo_parameter_at(), then six of each material, such as
+ * materials.1.name and materials.1.springs.stiffness, those of each emitter, such as emitters.1.speed, those of each
+ * further ball, such as ball2.radius, and those of each obstacle that its shape has, such as obstacles.0.velocity.
  */
 RHEO_API size_t rheo_world_def_parameter_count(const rheo_world_def *def);
 /** Parameter by index; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_world_def_parameter_at(const rheo_world_def *def, size_t index);
 /**
- * Parameter by path, in which a material has its number or its name: materials.1.springs.stiffness or
- * materials.cornstarch.springs.stiffness. Those of further balls are found up to RHEO_MAX_BALLS, whether the definition has these
- * balls or not: ball2.radius. NULL if there is none.
+ * Parameter by path, in which a material or an emitter has its number, from 1 on, or its name: materials.1.springs.stiffness
+ * or materials.cornstarch.springs.stiffness, emitters.jet.speed. Those
+ * of further balls are found up to RHEO_MAX_BALLS, whether the definition has these balls or not: ball2.radius. NULL if
+ * there is none.
  */
 RHEO_API const rheo_parameter *rheo_world_def_parameter_find(const rheo_world_def *def, const char *path);
 /** Parameter of any further ball by index, with a path such as "ballN.radius"; NULL past the last. */
@@ -806,6 +867,10 @@ RHEO_API const rheo_parameter *rheo_material_parameter_at(size_t index);
 RHEO_API const rheo_parameter *rheo_obstacle_parameter_at(size_t index);
 /** Whether obstacles of a shape have this parameter of rheo_obstacle_parameter_at(). */
 RHEO_API bool rheo_obstacle_has_parameter(rheo_obstacle_shape shape, const rheo_parameter *parameter);
+/** Parameter of any emitter by index, with a path such as "emitters.NAME.speed"; NULL past the last. */
+RHEO_API const rheo_parameter *rheo_emitter_parameter_at(size_t index);
+/** Writes the default of such a parameter as text; `value` holds >= 96 bytes. */
+RHEO_API rheo_result rheo_emitter_default(const rheo_parameter *parameter, char *value, size_t size);
 /** The path that is nearest to a misspelt one; never NULL. */
 RHEO_API const char *rheo_parameter_nearest(const char *path);
 /**
@@ -831,7 +896,7 @@ RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, c
 RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size);
 /**
  * Finds the first parameter from *index on, which begins with 0, that two definitions have with other values, and writes
- * them; those of a material that one definition lacks are "" there. *index becomes that of the next one. NULL: no more
+ * them; those of a material or emitter that one definition lacks are "" there. *index becomes that of the next one. NULL: no more
  * differ.
  */
 RHEO_API const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rheo_world_def *b,
@@ -983,10 +1048,10 @@ typedef enum rheo_command_kind {
 RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3],
                                           const double point[3], rheo_error *error);
 /**
- * Changes a live parameter; those of a material are found by its name or number (rheo_world_def_parameter_find()).
- * ball.position, ball.velocity and ball.spin set the state, as position and rotation of an obstacle do
+ * Changes a live parameter; those of a material or an emitter are found by its name or number
+ * (rheo_world_def_parameter_find()). "emitters.jet.flow" with "off" and "on" switches the emitter jet. ball.position,
+ * ball.velocity and ball.spin, and those of further balls, set the state, as position and rotation of an obstacle do
  * (obstacles.0.position). RHEO_ERROR_ARGUMENT if the parameter is unknown, not live,
- * ball.position, ball.velocity and ball.spin, and those of further balls, set the state. RHEO_ERROR_ARGUMENT if the parameter is unknown, not live,
  * or out of range; if its stages are missing because it was 0 at creation (say history.stiffness); or if it is
  * history.weights (kinds full and tempered), history.order (kind tempered), or with history.of length the step.
  */
@@ -1013,6 +1078,21 @@ RHEO_API uint32_t rheo_world_particle_count(const rheo_world *world);
 RHEO_API const rheo_real *rheo_world_positions(const rheo_world *world);
 /** Velocities: the same, unit L/T. */
 RHEO_API const rheo_real *rheo_world_velocities(const rheo_world *world);
+
+/* ---- Emitters ---- */
+
+/** What an emitter has done. */
+typedef struct rheo_emitter_state {
+    /** Particles that it has emitted, and those that it left out because there was no room. */
+    uint64_t emitted, blocked;
+    /** Particles in a layer. */
+    uint64_t sites;
+    /** Way of the newest layer until the next one is due. Unit L. */
+    double way;
+} rheo_emitter_state;
+
+/** State of emitter 0, 1, ... False: there is no such emitter. */
+RHEO_API bool rheo_world_emitter(const rheo_world *world, uint32_t emitter, rheo_emitter_state *state);
 
 /* ---- Springs ---- */
 

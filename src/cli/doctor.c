@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "cli/doctor_why.h"
+#include "cli/provenance.h"
 #include "cli/shell.h"
 
 static const char *verdict_of(const rheo_diagnosis *d)
@@ -237,6 +238,8 @@ static int examine(const char *file, bool json, bool brief)
         cli_print(stdout, 4, "%s: %s\n", file, d.why);
     else
         print_text(file, &c, &chain);
+    if (!json && !brief)
+        cli_emitters_text(rheo_recording_definition(recording));
     if (!d.complete)
         cli_warn_incomplete(file, recording);
     rheo_recording_close(recording);

@@ -245,6 +245,7 @@ static void print_text(const rheo_recording *recording, const char *file, const 
         cli_print(stdout, 12, "made by     %s\n", cli_made_text(info));
     const unsigned long long commands = rheo_recording_command_count(recording);
     cli_print(stdout, 12, "commands    %llu%s\n", commands, commands ? ": rheolog log lists them" : "");
+    cli_emitters_text(def);
     cli_differing_parameters_text(def);
     print_ending_text(recording);
 

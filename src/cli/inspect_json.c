@@ -18,6 +18,24 @@ static void json_bodies(rheo__json *json, const cli_view *v)
     rheo__json_end_list(json);
 }
 
+static void json_emitters(rheo__json *json, const cli_view *v)
+{
+    rheo_emitter_state e;
+    if (!rheo_world_definition(v->world)->emitters.count)
+        return;
+    rheo__json_begin_list(json, "emitters");
+    for (uint32_t k = 0; rheo_world_emitter(v->world, k, &e); k++) {
+        rheo__json_begin_object(json, NULL);
+        rheo__json_text(json, "name", rheo_world_definition(v->world)->emitters.list[k].name);
+        rheo__json_integer(json, "emitted", e.emitted);
+        rheo__json_integer(json, "blocked", e.blocked);
+        rheo__json_integer(json, "sites", e.sites);
+        rheo__json_number(json, "way", e.way);
+        rheo__json_end_object(json);
+    }
+    rheo__json_end_list(json);
+}
+
 static void json_plates(rheo__json *json, const cli_view *v)
 {
     rheo_plate plate;
@@ -169,6 +187,7 @@ void cli_inspect_json(const cli_view *v)
     cli_failure_json(&json, v->failed, &v->failure, "item", v->why);
     json_bodies(&json, v);
     json_plates(&json, v);
+    json_emitters(&json, v);
     json_metrics(&json, v);
     if (v->has_rankings)
         json_rankings(&json, v);

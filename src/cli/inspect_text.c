@@ -51,6 +51,15 @@ void cli_inspect_text_ball(const cli_view *v)
 
 const char *const cli_plate_name[] = {[RHEO_PLATE_LOWER] = "lower", [RHEO_PLATE_UPPER] = "upper"};
 
+static void text_emitters(const cli_view *v)
+{
+    rheo_emitter_state e;
+    for (uint32_t k = 0; rheo_world_emitter(v->world, k, &e); k++)
+        printf("emitter %s   %llu particles emitted, %llu without room left out\n",
+               rheo_world_definition(v->world)->emitters.list[k].name, (unsigned long long)e.emitted,
+               (unsigned long long)e.blocked);
+}
+
 static void text_plates(const cli_view *v)
 {
     rheo_plate plate;
@@ -251,6 +260,7 @@ void cli_inspect_text(const cli_view *v)
         printf("%-14s%zu\n", "springs", rheo_world_spring_count(v->world));
     cli_inspect_text_ball(v);
     text_plates(v);
+    text_emitters(v);
     text_metrics(v);
     cli_inspect_text_things(v);
 }

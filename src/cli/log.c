@@ -114,6 +114,7 @@ static void print_made(const char *file, const rheo_recording *recording)
     if (def->history.curve_count)
         printf("curve       %u points from %g to %g T\n", (unsigned)def->history.curve_count,
                def->history.curve[0].age, def->history.curve[def->history.curve_count - 1].age);
+    cli_emitters_text(def);
     cli_differing_parameters_text(def);
     cli_blessings_text(recording);
     printf("begins      with step %llu\n", (unsigned long long)info.first_step);

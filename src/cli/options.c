@@ -48,7 +48,7 @@ int cli_split_setting(const cli_command *command, const char *text, char *key, s
                                         "vibrators.grid", "history.curve", "obstacles"};
     for (size_t i = 0; i < sizeof LISTS / sizeof *LISTS; i++)
         if (strlen(LISTS[i]) == (size_t)(equals - text) && strncmp(text, LISTS[i], strlen(LISTS[i])) == 0)
-            return cli_usage(command, "--set cannot change %s: only a scene file can, see `rheolog scenes --schema`",
+            return cli_usage(command, "--set cannot change %s: only a scene file can, see `rheolog schema`",
                              LISTS[i]);
     snprintf(key, size, "%.*s", (int)(equals - text < 4096 ? equals - text : 4096), text);
     *value = equals + 1;

@@ -64,6 +64,7 @@ void cli_preflight_json(rheo__json *json, const cli_preflight *p)
     rheo__json_integer(json, "steps", p->steps);
     for (size_t i = 0; i < sizeof items / sizeof *items; i++)
         rheo__json_number(json, items[i].key, items[i].value);
+    rheo__json_integer(json, "emitted", p->memory.emitted);
     rheo__json_text(json, "solver", n->solver);
     rheo__json_integer(json, "probe_steps", p->probe.steps);
     rheo__json_integer(json, "probe_particles", p->probe.particles);
@@ -197,6 +198,12 @@ void cli_preflight_print(const cli_preflight *p)
     if (known(n->jump_most)) {
         begin(line, "jump number");
         add(line, "%.3g to %.3g, %s solver", n->jump_least, n->jump_most, n->solver);
+        end(line);
+    }
+    if (p->memory.emitted) {
+        begin(line, "emitters");
+        add(line, "up to %llu particles more in %llu step%s", (unsigned long long)p->memory.emitted,
+            (unsigned long long)p->steps, cli_plural(p->steps));
         end(line);
     }
     print_costs(p);

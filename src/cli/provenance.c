@@ -16,6 +16,8 @@ const rheo_parameter *cli_next_differing(const rheo_world_def *def, size_t *inde
         defaults.obstacles.list[defaults.obstacles.count++] = rheo_default_obstacle(def->obstacles.list[k].shape);
     while (defaults.balls.count < def->balls.count)
         defaults.balls.list[defaults.balls.count++] = rheo_default_ball();
+    for (defaults.emitters.count = 0; defaults.emitters.count < def->emitters.count; defaults.emitters.count++)
+        defaults.emitters.list[defaults.emitters.count] = rheo_default_emitter("");
     do
         p = rheo_world_def_differing(def, &defaults, index, value, usual);
     while (p && !(p->models >> def->model & 1));
@@ -42,6 +44,18 @@ void cli_differing_parameters_text(const rheo_world_def *def)
     const char *head = "differs";
     for (size_t i = 0; (p = cli_next_differing(def, &i, value, usual)) != NULL; head = "")
         cli_print(stdout, 12, "%-11s %s = %s (default: %s)\n", head, p->path, value, *usual ? usual : "none");
+}
+
+void cli_emitters_text(const rheo_world_def *def)
+{
+    for (uint32_t k = 0; k < def->emitters.count; k++) {
+        const rheo_emitter *e = &def->emitters.list[k];
+        const unsigned long long sites = rheo_world_def_emitter_sites(def, k), limit = e->limit;
+        char speed[32];
+        cli_print(stdout, 12, "%-11s %s emits layers of %llu particle%s with %s L/T, at most %llu particle%s%s\n",
+                  k ? "" : "emitters", e->name, sites, cli_plural(sites), rheo_number_brief(e->speed, 4, speed),
+                  limit, cli_plural(limit), e->flow == RHEO_EMITTER_OFF ? "; it begins switched off" : "");
+    }
 }
 
 const char *cli_made_text(const rheo_recording_info *info)

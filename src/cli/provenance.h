@@ -14,6 +14,9 @@ void cli_differing_parameters_json(rheo__json *json, const char *key, const rheo
 /* Prints those parameters of `def`, one a line, with their defaults. */
 void cli_differing_parameters_text(const rheo_world_def *def);
 
+/* Prints the emitters of `def`, one a line: they add particles, which no command tells of. */
+void cli_emitters_text(const rheo_world_def *def);
+
 /* How the recording was made, or why that is not shown. */
 const char *cli_made_text(const rheo_recording_info *info);
 

@@ -41,12 +41,11 @@ static int list_scenes(bool json)
 
 static int run(int argc, char **argv)
 {
-    bool json = false, parameters = false, markdown = false, schema = false;
+    bool json = false, parameters = false, markdown = false;
     const cli_option options[] = {
         {"--parameters", NULL, NULL, CLI_FLAG, &parameters},
         {"--json", NULL, NULL, CLI_FLAG, &json},
         {"--markdown", NULL, NULL, CLI_FLAG, &markdown},
-        {"--schema", NULL, NULL, CLI_FLAG, &schema},
         {0},
     };
     const int status = cli_parse(&cli_scenes, options, &argc, argv);
@@ -54,16 +53,14 @@ static int run(int argc, char **argv)
         return status;
     if (argc > 0 && !parameters)
         return cli_usage(&cli_scenes, "takes no operand without --parameters; got \"%s\"", argv[0]);
-    if (argc > 0 && (markdown || schema))
-        return cli_usage(&cli_scenes, "--markdown and --schema print all parameters; leave \"%s\" out", argv[0]);
+    if (argc > 0 && markdown)
+        return cli_usage(&cli_scenes, "--markdown prints all parameters; leave \"%s\" out", argv[0]);
     for (int i = 0; i < argc; i++)
         if (cli_parameters_wanted(1, argv + i) == 0)
             return cli_usage(&cli_scenes, "no parameter begins with \"%s\"", argv[i]);
-    if (json + markdown + schema > 1)
-        return cli_usage(&cli_scenes, "give one of --json, --markdown and --schema");
-    if (schema)
-        cli_scene_schema();
-    else if (markdown)
+    if (json && markdown)
+        return cli_usage(&cli_scenes, "give one of --json and --markdown");
+    if (markdown)
         cli_parameters_markdown();
     else if (parameters)
         (json ? cli_parameters_json : cli_parameters_text)((size_t)argc, argv);

@@ -21,7 +21,5 @@ void cli_parameters_text(size_t count, char **prefix);
 void cli_parameters_json(size_t count, char **prefix);
 /* Prints the page docs/parameters.md. */
 void cli_parameters_markdown(void);
-/* Prints the JSON schema of scene files (scenes_schema.c). */
-void cli_scene_schema(void);
 
 #endif

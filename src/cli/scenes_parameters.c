@@ -24,7 +24,8 @@ const char *cli_parameter_default(rheo_model model, const rheo_parameter *p, cha
                 shape++;
             return cli_obstacle_default(shape, p, value);
         }
-    rheo__number_text(p->minimum, value, 128); /* of a material: that of the main one */
+    if (rheo_emitter_default(p, value, 128) != RHEO_OK)
+        rheo__number_text(p->minimum, value, 128); /* of a material: that of the main one */
     return value;
 }
 
@@ -47,16 +48,23 @@ rheo_model cli_first_model(const rheo_parameter *p)
     return model;
 }
 
-/* The parameters of a scene, then those of a material and of an obstacle. */
+/* The parameters of a scene, then those of a material, of an emitter and of an obstacle. */
 static const rheo_parameter *parameter_at(size_t index)
 {
-    const size_t of_scene = rheo_scene_parameter_count();
-    size_t of_material = 0;
-    while (rheo_material_parameter_at(of_material))
-        of_material++;
-    return index < of_scene                 ? rheo_scene_parameter_at(index)
-           : index < of_scene + of_material ? rheo_material_parameter_at(index - of_scene)
-                                            : rheo_obstacle_parameter_at(index - of_scene - of_material);
+    static const rheo_parameter *(*const of_items[])(size_t) = {rheo_material_parameter_at, rheo_emitter_parameter_at,
+                                                                rheo_obstacle_parameter_at};
+    if (index < rheo_scene_parameter_count())
+        return rheo_scene_parameter_at(index);
+    index -= rheo_scene_parameter_count();
+    for (size_t i = 0; i < sizeof of_items / sizeof *of_items; i++) {
+        size_t count = 0;
+        while (of_items[i](count))
+            count++;
+        if (index < count)
+            return of_items[i](index);
+        index -= count;
+    }
+    return NULL;
 }
 
 /* The only model that has the parameter; NULL if there are several. */
@@ -253,8 +261,8 @@ void cli_parameters_markdown(void)
         "--parameters --markdown` prints it, so it agrees with the program.\n\n"
         "A parameter has the same path everywhere:\n\n"
         "- on the command line: `rheolog run SCENE --set fluid.support=4`\n"
-        "- in a scene file: `{\"fluid\": {\"support\": 4}}`; `rheolog scenes --schema` prints a JSON schema of scene "
-        "files\n"
+        "- in a scene file: `{\"fluid\": {\"support\": 4}}`; [scenes.md](scenes.md) has the keys of scene files "
+        "that are no parameters\n"
         "- in C: the member `fluid.support` of `rheo_world_def`, or `rheo_scene_set(&scene, \"fluid.support\", \"4\", "
         "&error)`\n\n"
         "*live*: a command may change it in a running world, also with `--set` after `--from`. *model*: the model that "

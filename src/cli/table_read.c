@@ -114,6 +114,8 @@ static int add_settings(cli_sweep *s, cli_row *row, const char *name, const rheo
         usual.world.materials.list[usual.world.materials.count++] = rheo_default_material("");
     while (usual.world.balls.count < scene->world.balls.count)
         usual.world.balls.list[usual.world.balls.count++] = rheo_default_ball();
+    for (usual.world.emitters.count = 0; usual.world.emitters.count < scene->world.emitters.count;)
+        usual.world.emitters.list[usual.world.emitters.count++] = rheo_default_emitter("");
     int status = add_setting(s, row, &hint, "scene", NULL, name, "");
     for (size_t i = 0; status == CLI_DONE && (p = rheo_world_def_parameter_at(&scene->world, i)) != NULL; i++)
         status = add_parameter(s, row, &hint, p, scene, &usual);

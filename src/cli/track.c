@@ -130,6 +130,9 @@ static int check_things(const arguments *a, const rheo_world *world)
         if (rheo_recording_command(a->recording, i, &c, NULL) == RHEO_OK && c.kind == RHEO_COMMAND_ADD_PARTICLES)
             particles += c.count;
     }
+    const rheo_world_def *def = rheo_recording_definition(a->recording);
+    for (uint32_t k = 0; k < def->emitters.count; k++)
+        particles += def->emitters.list[k].limit;
     const uint32_t id = t->other > t->id ? t->other : t->id;
     if (t->kind <= CLI_TRACK_SPRING && id >= particles)
         return cli_fail(CLI_BAD, "%s has no particle %u; its particles are 0 to %llu", a->file, (unsigned)id,

@@ -171,6 +171,28 @@ bool rheo__state_resize(rheo__state *s, uint32_t particles, uint32_t bodies, uin
     return enough;
 }
 
+/* Sets the rows of particles from this one on to 0. */
+static void clear_rows(rheo__ring *ring, uint32_t first, uint32_t end)
+{
+    for (size_t value = 3 * (size_t)first; ring->length && value < 3 * (size_t)end; value++)
+        for (uint32_t slot = 0; slot < ring->rows; slot++)
+            rheo__ring_block(ring, value / RHEO__RING_BLOCK, slot)[value % RHEO__RING_BLOCK] = 0;
+    ring->rewritten++;
+}
+
+/* The memory of particles that are gone is 0, as that of particles that never were. */
+void rheo__state_drop_particles(rheo__state *s, uint32_t particles)
+{
+    const uint32_t gone = s->particles - particles;
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        if (gone && is_flat(s, f) && rheo__field_table[f].location == RHEO_LOCATION_PARTICLE)
+            memset((char *)rheo__state_values(s, f) + particles * item_bytes(f), 0, gone * item_bytes(f));
+    clear_rows(&s->ring, particles, s->particles);
+    clear_rows(&s->modes, particles, s->particles);
+    s->particles = particles;
+    s->rewritten++;
+}
+
 bool rheo__state_read_row(const rheo__state *s, rheo__field_id field, uint64_t row, void *values)
 {
     switch (rheo__field_table[field].storage) {

@@ -21,44 +21,48 @@
 #endif
 
 /* name, C type, element, components, per, storage */
-#define RHEO__FIELDS(X)                                                                             \
-    X(step, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                         \
-    X(step_origin, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                  \
-    X(time_origin, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                    \
-    X(position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)               \
-    X(velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)               \
-    X(spring_ends, uint32_t, RHEO_ELEMENT_U32, 2, RHEO_LOCATION_SPRING, RHEO__SPRING)               \
-    X(spring_rest_length, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_SPRING, RHEO__SPRING)     \
-    X(ball_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)              \
-    X(ball_velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)              \
-    X(ball_spin, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)                  \
-    X(ball_orientation, rheo_real, RHEO__ELEMENT_REAL, 4, RHEO_LOCATION_BODY, RHEO__FLAT)           \
-    X(vibrator_position, rheo_real, RHEO__ELEMENT_REAL, 2, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)      \
-    X(vibrator_phase, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)         \
-    X(vibrator_frequency, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)     \
-    X(random, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                       \
-    X(history_rows, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                 \
-    X(history_velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)       \
-    X(history_modes, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__MODES)         \
-    X(density, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                \
-    X(temperature, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)            \
-    X(start_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)         \
-    X(substeps, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                     \
-    X(iterations, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                   \
-    X(derivative, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)             \
-    X(list_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)          \
-    X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)            \
-    X(predicted_acceleration, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT) \
-    X(material, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                  \
-    X(ball_push_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_BODY, RHEO__FLAT)                 \
-    X(history_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)       \
-    X(plate, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                     \
-    X(plate_displacement, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_WORLD, RHEO__FLAT)             \
-    X(plate_velocity, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_WORLD, RHEO__FLAT)                 \
-    X(plate_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                    \
-    X(obstacle_position, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)           \
-    X(obstacle_rotation, double, RHEO_ELEMENT_F64, 4, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)           \
-    X(obstacle_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)
+#define RHEO__FIELDS(X)                                                                                \
+    X(step, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                            \
+    X(step_origin, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                     \
+    X(time_origin, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                       \
+    X(position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                  \
+    X(velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                  \
+    X(spring_ends, uint32_t, RHEO_ELEMENT_U32, 2, RHEO_LOCATION_SPRING, RHEO__SPRING)                  \
+    X(spring_rest_length, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_SPRING, RHEO__SPRING)        \
+    X(ball_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)                 \
+    X(ball_velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)                 \
+    X(ball_spin, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)                     \
+    X(ball_orientation, rheo_real, RHEO__ELEMENT_REAL, 4, RHEO_LOCATION_BODY, RHEO__FLAT)              \
+    X(vibrator_position, rheo_real, RHEO__ELEMENT_REAL, 2, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)         \
+    X(vibrator_phase, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)            \
+    X(vibrator_frequency, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)        \
+    X(random, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                          \
+    X(history_rows, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                    \
+    X(history_velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)          \
+    X(history_modes, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__MODES)            \
+    X(density, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                   \
+    X(temperature, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)               \
+    X(start_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)            \
+    X(substeps, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                        \
+    X(iterations, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                      \
+    X(derivative, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                \
+    X(list_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)             \
+    X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)               \
+    X(predicted_acceleration, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)    \
+    X(material, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                     \
+    X(ball_push_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_BODY, RHEO__FLAT)                    \
+    X(history_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)          \
+    X(plate, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                        \
+    X(plate_displacement, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_WORLD, RHEO__FLAT)                \
+    X(plate_velocity, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_WORLD, RHEO__FLAT)                    \
+    X(plate_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                       \
+    X(obstacle_position, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)              \
+    X(obstacle_rotation, double, RHEO_ELEMENT_F64, 4, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)              \
+    X(obstacle_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_OBSTACLE, RHEO__FLAT)                 \
+    X(emitter_time, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                      \
+    X(emitter_way, double, RHEO_ELEMENT_F64, RHEO_MAX_EMITTERS, RHEO_LOCATION_WORLD, RHEO__FLAT)       \
+    X(emitter_emitted, uint64_t, RHEO_ELEMENT_U64, RHEO_MAX_EMITTERS, RHEO_LOCATION_WORLD, RHEO__FLAT) \
+    X(emitter_blocked, uint64_t, RHEO_ELEMENT_U64, RHEO_MAX_EMITTERS, RHEO_LOCATION_WORLD, RHEO__FLAT)
 
 typedef enum rheo__field_id {
 #define X(name, type, element, components, per, storage) RHEO__FIELD_##name,
@@ -160,6 +164,9 @@ void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, rheo__fie
 void rheo__state_release(rheo__state *s);
 /* Sets the numbers of particles, bodies and vibrators; new items are zero. On failure nothing has changed. */
 bool rheo__state_resize(rheo__state *s, uint32_t particles, uint32_t bodies, uint32_t vibrators);
+
+/* Removes the particles from this one on. Nothing of a step may have been kept of them: no spring, no row of history. */
+void rheo__state_drop_particles(rheo__state *s, uint32_t particles);
 
 /* Numbers of items of a field, of its filled rows (1 except for rings and modes), and of bytes in a row. */
 uint64_t rheo__state_items(const rheo__state *s, rheo__field_id field);

@@ -9,7 +9,7 @@
 
 #include "rheolog/scene_json.h"
 #include "json/file_name.h"
-#include "json/scene_json_material.h"
+#include "json/scene_json_listed.h"
 #include "json/scene_json_shape.h"
 
 /* ---- Walls ---- */
@@ -177,6 +177,30 @@ static rheo_result read_about(const rheo__json_reader *r, const rheo__json_place
     return rheo__json_read_text(r, at, value, scene->about, sizeof scene->about);
 }
 
+/* Emitters name materials, which may follow in the file: read_emitters() reads them at the end. */
+static rheo_result read_emitters_later(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
+{
+    (void)r;
+    (void)at;
+    (void)value;
+    return RHEO_OK;
+}
+
+static rheo_result read_emitters(const rheo__json_reader *r, json_t *file)
+{
+    const rheo__json_place top = {NULL, NULL, 0};
+    const char *key = NULL;
+    json_t *item = NULL;
+    size_t index = 0;
+    json_object_foreach(file, key, item)
+    {
+        const rheo__json_place here = {&top, key, index++};
+        if (strcmp(key, "emitters") == 0)
+            return rheo__json_read_list(r, &here, item, rheo__scene_read_emitter);
+    }
+    return RHEO_OK;
+}
+
 typedef rheo_result read_function(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value);
 
 /* `read` reads the value; if `element` is set, the value is a list and `element` reads each element. */
@@ -193,6 +217,7 @@ static const special specials[] = {
     {"fluid.shapes", NULL, rheo__scene_read_shape, NULL},
     {"materials", NULL, rheo__scene_read_material, "springs.stiffness"},
     {"obstacles", NULL, rheo__scene_read_obstacle, NULL},
+    {"emitters", read_emitters_later, NULL, NULL},
     {"walls.planes", NULL, read_plane, NULL},
     {"walls.boxes", NULL, read_box, NULL},
     {"vibrators.positions", NULL, read_position, "vibrators.kind"},
@@ -266,8 +291,8 @@ static rheo_result read_model(const rheo__json_reader *r, json_t *file)
 
 /* ---- Parameters ---- */
 
-static rheo_result read_parameter(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
-                                  const rheo_parameter *p)
+rheo_result rheo__scene_read_parameter(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                       const rheo_parameter *p)
 {
     rheo_scene *scene = r->user;
     char buffer[128], words[256], component[3][32];
@@ -322,7 +347,7 @@ static rheo_result unknown_key(const rheo__json_reader *r, const rheo__json_plac
         return rheo__json_refuse(r, at, "\"%s\" is now called \"%s\"", path, now);
     for (size_t i = 0; i < SPECIALS; i++)
         known[i + 1] = specials[i].path;
-    return rheo__json_unknown_key(r, at, path, known, SPECIALS + 1, "`rheolog scenes --schema` has them all");
+    return rheo__json_unknown_key(r, at, path, known, SPECIALS + 1, "`rheolog schema` has them all");
 }
 
 static bool is_group(const char *key)
@@ -362,7 +387,7 @@ static rheo_result read_group(const rheo__json_reader *r, const rheo__json_place
         else if (other)
             result = read_special(r, &here, item, other);
         else if (p)
-            result = read_parameter(r, &here, item, p);
+            result = rheo__scene_read_parameter(r, &here, item, p);
         else if (!group && is_group(key))
             result = read_group(r, &here, item, key);
         else
@@ -422,6 +447,8 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
     rheo_result result = read_model(&r, root);
     if (result == RHEO_OK)
         result = read_group(&r, &file, root, NULL);
+    if (result == RHEO_OK)
+        result = read_emitters(&r, root);
     json_decref(root);
     return result;
 }

@@ -204,6 +204,36 @@ static void write_obstacles(rheo__json *json, const rheo_world_def *def)
     rheo__json_end_list(json);
 }
 
+/* Writes the emitters. A material has its name, and the temperature of the fluid is left out. */
+static void write_emitters(rheo__json *json, const rheo_world_def *def)
+{
+    if (!def->emitters.count)
+        return;
+    rheo__json_begin_list(json, "emitters");
+    for (uint32_t k = 0; k < def->emitters.count; k++) {
+        const rheo_emitter *emitter = &def->emitters.list[k];
+        const rheo_parameter *p = NULL;
+        rheo__json_begin_object(json, NULL);
+        rheo__json_text(json, "name", emitter->name);
+        for (size_t i = 0; (p = rheo_emitter_parameter_at(i)) != NULL; i++) {
+            const char *member = p->path + strlen("emitters.NAME.");
+            char path[64], value[128] = "", usual[128] = "";
+            snprintf(path, sizeof path, "emitters.%u.%s", (unsigned)k + 1, member);
+            rheo_world_def_get(def, path, value, sizeof value);
+            rheo_emitter_default(p, usual, sizeof usual);
+            const bool optional = strcmp(member, "material") == 0 || strcmp(member, "temperature") == 0;
+            if (!(p->models >> def->model & 1) || (optional && strcmp(value, usual) == 0))
+                continue;
+            if (strcmp(member, "material") == 0)
+                rheo__json_text(json, member, rheo_world_def_material_name(def, (uint32_t)emitter->material));
+            else
+                rheo__json_parameter(json, member, p, value);
+        }
+        rheo__json_end_object(json);
+    }
+    rheo__json_end_list(json);
+}
+
 /* Writes the further balls, as groups ball2, ball3, ... */
 static void write_balls(rheo__json *json, const rheo_scene *scene)
 {
@@ -245,6 +275,7 @@ char *rheo_scene_to_json(const rheo_scene *scene)
     write_materials(&json, &scene->world);
     write_obstacles(&json, &scene->world);
     write_balls(&json, scene);
+    write_emitters(&json, &scene->world);
     rheo__json_end_object(&json);
     const bool failed = ferror(json.file) != 0;
     if (fclose(json.file) != 0 || failed) {

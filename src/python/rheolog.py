@@ -420,7 +420,8 @@ FIELDS = ['step', 'step_origin', 'time_origin', 'position', 'velocity', 'spring_
           'ball_velocity', 'ball_spin', 'ball_orientation', 'vibrator_position', 'vibrator_phase', 'vibrator_frequency', 'random',
           'history_rows', 'history_velocity', 'history_modes', 'density', 'temperature', 'start_position', 'substeps', 'iterations',
           'derivative', 'list_position', 'list_margin', 'predicted_acceleration', 'material', 'ball_push_phase',
-          'history_position', 'plate', 'plate_displacement', 'plate_velocity', 'plate_phase']
+          'history_position', 'plate', 'plate_displacement', 'plate_velocity', 'plate_phase', 'emitter_time', 'emitter_way',
+          'emitter_emitted', 'emitter_blocked']
 FACTOR, OF_WORD, OF_ROW = 0xD6E8FEB86659FD93, 0x9E3779B97F4A7C15, 0xD1B54A32D192ED03
 
 

@@ -1,8 +1,8 @@
 /*
  * Definitions in recordings: the values of all parameters by path, the points of a curve as parameters that repeat, the
  * walls, and the positions of the vibrators. A later version may have more parameters; one that a file does not have keeps
- * its default. Paths of materials have their names, materials.NAME.springs.stiffness; the order in which the names appear
- * is that of the materials.
+ * its default. Paths of materials and emitters have their names, materials.NAME.springs.stiffness; the order in which the
+ * names appear is that of the items.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,14 +44,14 @@ static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
            !(is_optional(parameter->path) && has_default(def, parameter));
 }
 
-/* The path of a parameter; that of a material with its name. */
+/* The path of a parameter; that of a listed item with its name. */
 static const char *named_path(const rheo_world_def *def, const rheo_parameter *parameter, char *path, size_t size)
 {
-    const uint32_t number = rheo__material_number(parameter->path);
+    const rheo__list *list;
+    const uint32_t number = rheo__item_of(parameter, &list);
     if (!number)
         return parameter->path;
-    snprintf(path, size, "materials.%s.%s", rheo_world_def_material_name(def, number),
-             rheo__in_material(parameter->path));
+    snprintf(path, size, "%s%s.%s", list->group, rheo__list_name(def, list, number), rheo__in_item(parameter->path));
     return path;
 }
 
@@ -97,19 +97,19 @@ void rheo__geometry_put(rheo__bytes *bytes, const rheo_world_def *def)
             rheo__put_f64(bytes, def->vibrators.position[i][axis]);
 }
 
-/* Adds the material of a path, unless the definition has it. */
-static rheo_result declare_material(rheo_world_def *def, const char *path, rheo_error *error)
+/* Adds the item of a path, unless the definition has it. Files name items; they do not number them. */
+static rheo_result declare_item(rheo_world_def *def, const rheo__list *list, const char *path, rheo_error *error)
 {
-    const char *name = path + strlen("materials.");
+    const char *name = path + strlen(list->group);
     char text[128];
-    uint32_t number;
     rheo_error why;
     snprintf(text, sizeof text, "%.*s", (int)strcspn(name, "."), name);
-    if (rheo_world_def_material(def, text, &number) && number)
-        return RHEO_OK;
-    const rheo_material material = rheo_default_material(text);
-    if (strcmp(material.name, text) != 0 || rheo_world_def_add_material(def, &material, &why) != RHEO_OK)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording cannot have a material \"%.40s\"", text);
+    for (uint32_t k = 1; k <= rheo__list_count(def, list); k++)
+        if (strcmp(rheo__list_name(def, list, k), text) == 0)
+            return RHEO_OK;
+    if (strlen(text) >= RHEO__ITEM_NAME || list->add(def, text, &why) != RHEO_OK)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording cannot have a%s %s \"%.40s\"",
+                          strchr("aeiou", list->item[0]) ? "n" : "", list->item, text);
     return RHEO_OK;
 }
 
@@ -172,8 +172,9 @@ static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, uint
         values[k] = rheo__get_f64(cursor);
     if (strcmp(path, "history.curve") == 0 && n == 2)
         return get_curve_point(def, known_points, (*points)++, values, error);
-    if (rheo__is_of_material(path))
-        RHEO__TRY(declare_material(def, path, error));
+    const rheo__list *list = rheo__list_of(path);
+    if (list)
+        RHEO__TRY(declare_item(def, list, path, error));
     if (rheo__is_of_obstacle(path))
         RHEO__TRY(declare_obstacle(def, path, error));
     const rheo_parameter *parameter = rheo_world_def_parameter_find(def, path);

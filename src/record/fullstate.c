@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "core/work.h"
+#include "world/emit.h"
 
 enum {
     BLOCK = 16384,    /* values */
@@ -270,6 +271,7 @@ rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__val
     bool history = rheo__state_has(s, RHEO__FIELD_history_rows),
          springs = rheo__state_has(s, RHEO__FIELD_spring_ends);
     uint64_t before = history ? *s->history_rows : 0, rows = rheo__rows_after(s, before);
+    RHEO__TRY(rheo__emit(world, error)); /* new particles bring their past with them, which is not stored */
     const size_t spring_count = springs ? now->items[RHEO__FIELD_spring_ends] : 0;
     const uint32_t *ends = springs ? now->data[RHEO__FIELD_spring_ends] : NULL;
     const rheo_real *rest_length = springs ? now->data[RHEO__FIELD_spring_rest_length] : NULL;
@@ -283,9 +285,12 @@ rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__val
         fits = rheo__springs_ordered(s->particles, spring_count, ends);
     for (size_t k = 0; k < spring_count && fits; k++)
         fits = rest_length[k] >= 0 && rest_length[k] - rest_length[k] == 0;
-    if (!fits)
+    if (!fits) {
+        rheo__take_emission_back(world);
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
                           (unsigned long long)step);
+    }
+    world->emission.made = false;
     if (springs && !rheo__springs_set(&s->springs, &s->allocator, s->particles, spring_count, ends, rest_length))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
                           (unsigned long long)step);

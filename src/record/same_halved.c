@@ -75,6 +75,10 @@ static rheo_result fill(const rheo_world *w, const rheo__values *v, rheo_world *
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if (rheo__state_has(&w->state, f) && rheo__field_table[f].storage == RHEO__RING)
             RHEO__TRY(fill_ring(w, f, half, error));
+    if (w->features & RHEO__FEATURE_EMITTERS) { /* the first half emits what the whole step does */
+        *half->state.step_origin = *half->state.step;
+        *half->state.time_origin = rheo_world_time(w);
+    }
     return rheo__world_configure(half) ? RHEO_OK : no_memory(error);
 }
 
@@ -86,8 +90,11 @@ rheo_result rheo__same_halves(const rheo_world *world, rheo__values *values, boo
     rheo_result result = make(world, values, &half, error);
     if (result == RHEO_OK)
         result = fill(world, values, half, error);
-    for (int i = 0; i < 2 && result == RHEO_OK; i++)
+    for (int i = 0; i < 2 && result == RHEO_OK; i++) {
         result = rheo_world_step(half, error);
+        for (uint32_t k = 0; k < half->def.emitters.count; k++)
+            half->def.emitters.list[k].flow = RHEO_EMITTER_OFF; /* the second half emits nothing */
+    }
     *failed = result == RHEO_ERROR_STATE;
     if (result == RHEO_OK)
         result = rheo__values_take(values, &half->state, false, error);

@@ -376,6 +376,27 @@ static void incline(rheo_scene *scene)
     scene->steps = 485;
 }
 
+/* A jet from a nozzle, of a fluid that flows more easily than that of the drop. */
+static void jet(rheo_scene *scene)
+{
+    rheo_world_def *def = &scene->world;
+    rheo_emitter nozzle = rheo_default_emitter("nozzle");
+    use_supports(scene);
+    def->springs.stiffness = 80;
+    def->springs.plasticity = 20;
+    def->springs.yield_ratio = 0.03;
+    def->history.stiffness = 800;
+    def->walls.sticking = 30;
+    nozzle.position[1] = 14;
+    nozzle.radius = 1.5;
+    nozzle.speed = 5;
+    nozzle.limit = 4000;
+    def->emitters.list[def->emitters.count++] = nozzle;
+    scene->owned.plane[def->walls.count++] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    scene->settle.time = 0;
+    scene->steps = 600;
+}
+
 /* Ten layers between plates of two; the spacing is that of fluid at rest. */
 static void plates(rheo_scene *scene)
 {
@@ -452,6 +473,7 @@ static const rheo__builtin SCENE[] = {
     {"drop", "a drop of cornstarch and water falls on a floor and bounces", drop},
     {"drop-pair", "a viscoelastic drop and one of cornstarch fall on a floor: only the latter bounces", drop_pair},
     {"incline", "the drop falls on a slope and flows down it", incline},
+    {"jet", "a jet of cornstarch and water from a nozzle heaps up on a floor", jet},
     {"plates", "fluid between two plates, the upper one moves", plates},
     {"stirrer", "a paddle turns in a tray of cornstarch and water", stirrer},
     {"drum", "a drum turns and carries its fluid up the wall until it falls", drum},

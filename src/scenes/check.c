@@ -142,7 +142,8 @@ static void check_floor(const inspection *c)
     const rheo_world_def *def = c->def;
     const double *g = def->gravity;
     const bool plates = rheo__world_features(def) & RHEO__FEATURE_PLATES; /* fluid sticks to them */
-    if (!(length_of(g) > 0) || !moves(def) || plates || (def->particles.count == 0 && !(def->ball.radius > 0)))
+    if (!(length_of(g) > 0) || !moves(def) || plates ||
+        (def->particles.count == 0 && def->emitters.count == 0 && !(def->ball.radius > 0)))
         return;
     for (uint32_t w = 0; w < def->walls.count; w++)
         if (dot(def->walls.plane[w].normal, g) < 0)
@@ -226,6 +227,9 @@ static void check_parameters(const inspection *c)
         const double speed = length_of(scene->fill[s].velocity);
         speeds.fluid = speed > speeds.fluid ? speed : speeds.fluid;
     }
+    for (uint32_t k = 0; k < c->def->emitters.count; k++)
+        if (c->def->emitters.list[k].speed > speeds.fluid)
+            speeds.fluid = c->def->emitters.list[k].speed;
     for (uint32_t row = 0; row < measures->count; row++) {
         rheo__condition condition;
         char text[sizeof((rheo_warning *)NULL)->text];
@@ -253,6 +257,8 @@ static void check_materials(const inspection *c)
         bool used = false;
         for (uint32_t s = 0; s < scene->fill_count; s++)
             used = used || strcmp(scene->fill[s].material, name) == 0;
+        for (uint32_t e = 0; e < c->def->emitters.count; e++)
+            used = used || c->def->emitters.list[e].material == k + 1;
         if (!used)
             rheo__warn(c->warnings, rheo__warning_of(RHEO_WARNING_PARAMETER),
                        "no shape is of the material \"%s\": give one \"material\": \"%s\", or leave the material out",
@@ -327,10 +333,10 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
                                rheo_error *error)
 {
     const inspection c = {.filling = filling, .def = def, .warnings = warnings};
-    if (filling->scene->fill_count == 0)
+    if (filling->scene->fill_count == 0 && def->emitters.count == 0)
         rheo__warn(warnings, rheo__warning_of(RHEO_WARNING_EMPTY),
                    "there is no fluid, because the scene has no shapes: add one (fluid.shapes in a scene file)");
-    else if (def->particles.count == 0)
+    else if (filling->scene->fill_count && def->particles.count == 0)
         rheo__warn(warnings, rheo__warning_of(RHEO_WARNING_EMPTY),
                    "the shapes are too small to hold a particle at a spacing of %g: make them larger, or "
                    "fluid.spacing smaller",
@@ -345,6 +351,7 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
         check_speed(&c, s);
     check_plates(&c);
     rheo__check_balls_at_walls(filling, def, warnings);
+    rheo__check_emitters(def, warnings);
     if (warnings->refusals_only)
         return RHEO_OK;
     rheo__check_crowding(filling, def, warnings);

@@ -42,6 +42,8 @@ void rheo__check_crowding(const rheo__filling *filling, const rheo_world_def *de
 /* Examines balls at their places (scenes/check_balls.c): their size and the walls; then particles of *def, and other balls. */
 void rheo__check_balls_at_walls(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
 void rheo__check_balls(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
+/* The part of it that concerns emitters (scenes/check_emitters.c). */
+void rheo__check_emitters(const rheo_world_def *def, rheo__warnings *warnings);
 
 /* Speed with which the fastest ball arrives at the fluid, after its fall; 0 without a ball (scenes/preflight.c). */
 double rheo__arrival_speed(const rheo__filling *filling, const rheo_world_def *def);

@@ -4,6 +4,7 @@
  */
 #include "core/strict.h"
 #include "scenes/making.h"
+#include "world/emitters.h"
 
 /* Flat fields are there twice: stages that fail are undone. */
 static double flat_bytes(rheo__fields fields)
@@ -54,8 +55,10 @@ rheo_result rheo_scene_memory(const rheo_scene *scene, uint64_t steps, rheo_memo
         const rheo__model_type *type = rheo__model(def.model);
         const uint32_t features = rheo__world_features(&def);
         double of_particle = 0, of_neighbour = 0;
-        const double particles = (double)filling.count;
         def.fluid.spacing = filling.spacing;
+        memory->emitted = steps ? (uint64_t)rheo__emitted_until(&def, (double)(steps - 1) * def.step)
+                                : 0; /* as the last step begins */
+        const double particles = (double)filling.count + (double)memory->emitted;
         if (type->working_memory)
             type->working_memory(&def, &of_particle, &of_neighbour);
         memory->particles = filling.count;

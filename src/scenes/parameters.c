@@ -79,7 +79,7 @@ rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *valu
 {
     const rheo_parameter *p = rheo_scene_parameter_find(path);
     const char *member;
-    if (!p && (rheo__is_of_material(path) || rheo__is_of_obstacle(path) || rheo__ball_in(path, &member)))
+    if (!p && (rheo__list_of(path) || rheo__is_of_obstacle(path) || rheo__ball_in(path, &member)))
         return rheo_world_def_set(&scene->world, path, value, error);
     if (!p)
         return rheo__parameter_unknown(path, rheo_scene_parameter_nearest(path), error);

@@ -2,7 +2,9 @@
 #include <math.h>
 
 #include "core/strict.h"
+#include "scenes/making.h"
 #include "scenes/obstacles.h"
+#include "world/emitters.h"
 
 static double larger(double a, double b)
 {
@@ -54,6 +56,14 @@ static rheo__start start_of(const rheo__filling *filling, const rheo_world_def *
             start.coldest = t < start.coldest ? t : start.coldest;
             start.hottest = larger(start.hottest, t);
         }
+    }
+    for (uint32_t k = 0; k < def->emitters.count; k++) {
+        const rheo_emitter *e = &def->emitters.list[k];
+        const double t = rheo__emitter_has_temperature(e) ? e->temperature : def->melting.temperature;
+        start.speed = larger(start.speed, e->speed);
+        start.coldest = t < start.coldest ? t : start.coldest;
+        start.hottest = larger(start.hottest, t);
+        start.has_temperatures = start.has_temperatures || rheo__emitter_has_temperature(e);
     }
     start.ball_speed = rheo__arrival_speed(filling, def);
     return start;

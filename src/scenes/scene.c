@@ -39,6 +39,11 @@ static rheo_result refine(const rheo_scene *scene, rheo_world_def *def, rheo_err
                           "resolution is %g; it must be 1, because the model %s cannot change its spacing",
                           scene->resolution, type->name);
     type->refine(def, scene->resolution);
+    for (uint32_t k = 0; k < def->emitters.count; k++) { /* the same volume has more particles */
+        const double limit =
+            (double)def->emitters.list[k].limit * scene->resolution * scene->resolution * scene->resolution;
+        def->emitters.list[k].limit = limit < 1 ? 1 : limit < 0x1p30 ? (uint64_t)(limit + 0.5) : UINT64_C(1) << 30;
+    }
     rheo_error inner = {""};
     const rheo_result result = rheo_world_def_check(def, &inner);
     return result == RHEO_OK

@@ -1,5 +1,5 @@
 /*
- * Settling before step 0, without ball, vibrators and history, and with plates and obstacles at rest. Its steps are examined like those of a run, because the
+ * Settling before step 0, without ball, vibrators, emitters and history, and with plates and obstacles at rest. Its steps are examined like those of a run, because the
  * state that it leaves is the first that a recording has: what went wrong before shows there no more.
  */
 #include <stdio.h>
@@ -120,6 +120,7 @@ rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rhe
     still.ball.radius = 0;
     still.balls.count = 0;
     still.vibrators.count = 0;
+    still.emitters.count = 0;
     still.plates.control = RHEO_PLATES_VELOCITY; /* the plates rest */
     still.plates.velocity[0] = still.plates.velocity[1] = still.plates.velocity[2] = 0;
     still.plates.amplitude = still.plates.frequency = 0;

@@ -267,6 +267,8 @@ static inline uint32_t rheo__samples_used(const rheo__samples *samples, uint32_t
 }
 /* Makes a memory of positions that of particles at rest, from this particle on. */
 void rheo__remember_rest(rheo__state *s, uint32_t first);
+/* Makes the memory that of particles that have always moved with their velocity, from this particle on. */
+void rheo__remember_motion(rheo__state *s, const rheo__thickening *t, uint32_t first);
 
 /* Stores the velocities or positions as the newest of a memory that already has `rows` rows. Does not change that number. */
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);

@@ -100,6 +100,9 @@ rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error 
             return rheo__fail(error, RHEO_ERROR_FORMAT,
                               "obstacle %u has no phase from 0 to 1, or no unit quaternion as its rotation", i);
     }
+    for (uint32_t k = 0; k < RHEO_MAX_EMITTERS && s->emitter_way; k++)
+        if (!(s->emitter_way[k] >= 0))
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "the way of emitter %u to its next layer is below 0", k);
     RHEO__TRY(check_list(w, error));
     return check_history(w, rings, error);
 }

@@ -93,7 +93,7 @@ static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_err
     if (!p->live)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s is fixed when a world is made; a running one cannot change it", c->path);
-    RHEO__TRY(check_feature(w, rheo__in_material(c->path), error));
+    RHEO__TRY(check_feature(w, rheo__in_item(c->path), error));
     if (rheo__world_features(&def) & ~w->features)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);

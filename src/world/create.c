@@ -13,15 +13,16 @@
 
 uint32_t rheo__world_features(const rheo_world_def *def)
 {
-    return rheo__model(def->model)->features(def);
+    return rheo__model(def->model)->features(def) | (def->emitters.count ? RHEO__FEATURE_EMITTERS : 0);
 }
 
 static rheo_result check_features(const rheo_world_def *def, uint32_t features, rheo_error *error)
 {
     const rheo__model_type *type = rheo__model(def->model);
-    const uint32_t needed = type->features(def);
-    if ((needed & ~features) || ((needed ^ features) & type->fixed_features) ||
-        (features & ~type->possible_features) || (type->check_features && !type->check_features(def, features)))
+    const uint32_t needed = rheo__world_features(def);
+    if ((needed & ~features) || ((needed ^ features) & (type->fixed_features | RHEO__FEATURE_EMITTERS)) ||
+        (features & ~(type->possible_features | RHEO__FEATURE_EMITTERS)) ||
+        (type->check_features && !type->check_features(def, features)))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "the features %#x are not those of a world of this definition, %#x", (unsigned)features,
                           (unsigned)needed);
@@ -45,6 +46,9 @@ rheo__fields rheo__world_fields(const rheo_world_def *def, uint32_t features)
     if (features & RHEO__FEATURE_VIBRATORS)
         present |= RHEO__BIT(vibrator_position) | RHEO__BIT(vibrator_phase) | RHEO__BIT(vibrator_frequency) |
                    RHEO__BIT(random);
+    if (features & RHEO__FEATURE_EMITTERS)
+        present |= RHEO__BIT(emitter_time) | RHEO__BIT(emitter_way) | RHEO__BIT(emitter_emitted) |
+                   RHEO__BIT(emitter_blocked);
     return present | (type->fields ? type->fields(features, def) : 0);
 }
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "world/emitters.h"
 #include "world/measure.h"
 
 static const uint32_t COOKIE = 0x52484C47;
@@ -215,6 +216,7 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
     RHEO__TRY(check_walls(def, error));
     RHEO__TRY(check_vibrators(def, error));
     RHEO__TRY(check_model(def, error));
+    RHEO__TRY(rheo__emitters_check(def, error));
     return rheo__def_check_particles(def, error);
 }
 

@@ -131,6 +131,8 @@ typedef struct rheo__model_type {
     /* First values of the model's fields for particles from `first` on; either array may be NULL. May be NULL. */
     void (*begin_particles)(rheo_world *world, uint32_t first, const rheo_real *density,
                             const rheo_real *temperature);
+    /* Gives particles from `first` on the past of a steady motion with their velocity. May be NULL: there is no past. */
+    void (*begin_moving)(rheo_world *world, uint32_t first);
 
     /* ---- Health ---- */
 

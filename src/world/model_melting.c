@@ -7,6 +7,7 @@
 
 #include "core/text.h"
 #include "solids/solids.h"
+#include "world/emitters.h"
 #include "world/row_macros.h"
 
 /* ---- Parameters ---- */
@@ -138,7 +139,10 @@ static uint32_t features(const rheo_world_def *def)
         if (def->walls.count > 0)
             needed |= RHEO__FEATURE_WALLS;
     }
-    if (def->particles.temperature)
+    bool temperatures = def->particles.temperature != NULL;
+    for (uint32_t k = 0; k < def->emitters.count; k++)
+        temperatures = temperatures || rheo__emitter_has_temperature(&def->emitters.list[k]);
+    if (temperatures)
         needed |= RHEO__FEATURE_TEMPERATURE | (def->melting.diffusivity > 0 ? RHEO__FEATURE_HEAT : 0);
     return needed;
 }

@@ -230,6 +230,12 @@ static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *dens
         rheo__plates_begin(&w->state, &w->def, first);
 }
 
+static void begin_moving(rheo_world *w, uint32_t first)
+{
+    if (w->features & RHEO__FEATURE_HISTORY)
+        rheo__remember_motion(&w->state, w->model, first);
+}
+
 static bool reserve_history(rheo_world *w, uint64_t rows)
 {
     return rheo__thickening_remember(w->model, &w->state, rows);
@@ -454,6 +460,7 @@ const rheo__model_type rheo__model_thickening = {
     .working_memory = working_memory,
     .reserve = reserve,
     .begin_particles = begin_particles,
+    .begin_moving = begin_moving,
     .reserve_history = reserve_history,
     .push_history = push_history,
     .release = release,

@@ -304,6 +304,7 @@ rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error)
     for (size_t i = 0; (row = row_at(i)); i++)
         RHEO__TRY(rheo__row_check(def, row, error));
     RHEO__TRY(rheo__materials_check(def, error));
+    RHEO__TRY(rheo__list_check(def, &rheo__emitters, error));
     RHEO__TRY(rheo__balls_check(def, error));
     return rheo__obstacles_check(def, error);
 }
@@ -413,8 +414,8 @@ rheo_result rheo__row_get(const void *owner, const rheo__parameter_row *row, cha
 rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value, rheo_error *error)
 {
     const rheo_parameter *p = rheo_world_def_parameter_find(def, path);
-    if (!p && rheo__is_of_material(path))
-        return rheo__material_unknown(def, path, error);
+    if (!p && rheo__list_of(path))
+        return rheo__listed_unknown(def, path, error);
     if (!p && rheo__is_of_obstacle(path))
         return rheo__obstacle_unknown(def, path, error);
     const char *member;
@@ -423,7 +424,7 @@ rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char
     if (!p)
         return rheo__parameter_unknown(path, rheo_parameter_nearest(path), error);
     if (p->type == RHEO_PARAMETER_NAME)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be set; a material keeps its name", path);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be set; it keeps its name", path);
     RHEO__TRY(rheo__parameter_check_model(p, def->model, error));
     const uint32_t balls = def->balls.count;
     RHEO__TRY(rheo__ball_provide(def, p, error));
@@ -445,8 +446,9 @@ const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rh
                                                char of_a[96], char of_b[96])
 {
     const rheo_parameter *p;
-    const rheo_world_def *more = a->materials.count > b->materials.count ? a : b;
-    rheo_world_def all = *more; /* only its counts are used, and the shapes of obstacles */
+    rheo_world_def all = *a; /* has the items of both, and the shapes of the obstacles */
+    all.materials.count = a->materials.count > b->materials.count ? a->materials.count : b->materials.count;
+    all.emitters.count = a->emitters.count > b->emitters.count ? a->emitters.count : b->emitters.count;
     all.balls.count = a->balls.count > b->balls.count ? a->balls.count : b->balls.count;
     all.obstacles = a->obstacles.count > b->obstacles.count ? a->obstacles : b->obstacles;
     while ((p = rheo_world_def_parameter_at(&all, (*index)++))) {

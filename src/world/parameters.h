@@ -49,18 +49,63 @@ rheo_result rheo__parameter_check_model(const rheo_parameter *parameter, rheo_mo
 /* Says that there is no such parameter, how it is called now if it is an old one, else that `nearest` is nearest. */
 rheo_result rheo__parameter_unknown(const char *path, const char *nearest, rheo_error *error);
 
+/*
+ * ---- Lists of named items in a definition: materials, emitters (world/listed.c) ----
+ *
+ * Each item has the same parameters, with rows for each number that an item may have, so that loops over rows treat them
+ * like any other parameter: materials.1.springs.stiffness.
+ */
+
+/* Items are structs that begin with their name. */
+enum { RHEO__ITEM_NAME = 16 };
+
+typedef struct rheo__list {
+    const char *group; /* "materials." */
+    const char *item;  /* "material" */
+    uint32_t most;
+    const rheo__parameter_row *row; /* most times rows_of_one; the first of each is the name */
+    size_t rows_of_one;
+    size_t count_offset, items_offset, item_size; /* in rheo_world_def */
+    /* Adds an item that has defaults and a name. */
+    rheo_result (*add)(rheo_world_def *def, const char *name, rheo_error *error);
+} rheo__list;
+
+extern const rheo__list rheo__materials, rheo__emitters;
+
+/* The list that a path belongs to; NULL: none. */
+const rheo__list *rheo__list_of(const char *path);
+/* Number of items of a definition, and the name of item 1, 2, ... */
+uint32_t rheo__list_count(const rheo_world_def *def, const rheo__list *list);
+const char *rheo__list_name(const rheo_world_def *def, const rheo__list *list, uint32_t number);
+/* The number that a text has, "1" or a name; 0: there is no such item. */
+uint32_t rheo__list_number(const rheo_world_def *def, const rheo__list *list, const char *text, size_t length);
+/* The path behind the item, "springs.stiffness"; the whole path if it is of no list. */
+const char *rheo__in_item(const char *path);
+/* Number of the item whose parameter a row is, and its list; 0: it is of none. */
+uint32_t rheo__item_of(const rheo_parameter *parameter, const rheo__list **list);
+/* Says that the definition has no such item, or an item no such parameter. The path is of a list. */
+rheo_result rheo__listed_unknown(const rheo_world_def *def, const char *path, rheo_error *error);
+/* Checks names and parameters of all items. */
+rheo_result rheo__list_check(const rheo_world_def *def, const rheo__list *list, rheo_error *error);
+/* Adds an item, a copy. RHEO_ERROR_ARGUMENT: a bad name, or too many. */
+rheo_result rheo__list_add(rheo_world_def *def, const rheo__list *list, const void *item, rheo_error *error);
+
+/* A row of an item. `parameter_` is a list of members of rheo_parameter. */
+#define RHEO__NAME_ROW(group, number, list, about_, models_) \
+    {{.path = group "." #number ".name",                     \
+      .type = RHEO_PARAMETER_NAME,                           \
+      .unit = "",                                            \
+      .about = about_,                                       \
+      .models = models_},                                    \
+     offsetof(rheo_world_def, list[(number)-1].name),        \
+     0,                                                      \
+     {0}},
+
 /* ---- Materials (world/materials.c) ---- */
 
-/* Whether a path begins with "materials."; its part after the material, else the whole path. */
-bool rheo__is_of_material(const char *path);
-const char *rheo__in_material(const char *path);
 /* The names of the materials, as a part of a sentence. */
 enum { RHEO__MATERIALS_TEXT = 32 + 20 * RHEO_MAX_MATERIALS };
 const char *rheo__materials_text(const rheo_world_def *def, char text[RHEO__MATERIALS_TEXT]);
-/* Number of the material whose parameter a row is; 0: it is no parameter of a material. */
-uint32_t rheo__material_number(const char *path);
-/* Says that the definition has no such material, or a material no such parameter. */
-rheo_result rheo__material_unknown(const rheo_world_def *def, const char *path, rheo_error *error);
 /* Check the materials of a definition, and those of its particles. */
 rheo_result rheo__materials_check(const rheo_world_def *def, rheo_error *error);
 rheo_result rheo__materials_check_particles(const rheo_world_def *def, rheo_error *error);
@@ -109,7 +154,7 @@ rheo_result rheo__parameter_assign(rheo_world_def *def, const rheo_parameter *pa
 void rheo__parameters_set_defaults(rheo_world_def *def, rheo_model model);
 /* Refuses the first parameter that is out of its range. */
 rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error);
-/* NULL if there is none of that name; those of materials are not found. */
+/* NULL if there is none of that name; those of listed items are not found. */
 const rheo_parameter *rheo__parameter_find(const char *path);
 
 #endif

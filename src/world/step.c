@@ -17,6 +17,7 @@
 #include "core/environment.h"
 #include "core/work.h"
 #include "world/command_queue.h"
+#include "world/emit.h"
 #include "world/stage_runs.h"
 
 static double now(void)
@@ -113,27 +114,32 @@ static rheo_result run_stage(rheo_world *w, uint64_t stage_run, rheo_error *erro
     return result;
 }
 
-static void begin(rheo_world *w)
+static rheo_result begin(rheo_world *w, rheo_error *error)
 {
+    const uint32_t particles = w->state.particles;
+    RHEO__TRY(rheo__emit(w, error));
     rheo__work_step();
-    if (w->command_count)
+    if (w->command_count || w->state.particles != particles)
         rheo__world_measure_commands(w);
     w->failed = false;
     w->failure = (rheo_failure){0};
     w->state.refusal = (rheo__refusal){0};
     rheo__world_keep_diagnostics(w);
     rheo__state_begin(&w->state);
+    return RHEO_OK;
 }
 
 static void undo(rheo_world *w)
 {
     rheo__state_undo(&w->state);
+    rheo__take_emission_back(w);
     w->stage_runs_done = 0;
 }
 
 static void finish(rheo_world *w)
 {
     ++*w->state.step;
+    w->emission.made = false;
     w->stage_runs_done = 0;
     w->steps_timed++;
     w->substeps_timed += rheo__state_has(&w->state, RHEO__FIELD_substeps) ? *w->state.substeps : 0;
@@ -205,7 +211,8 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
     check_writes(w, w->stage_count, before, NULL);
 #endif
     w->trace.count = 0;
-    rheo__step_hashes_begin(&w->trace.known, &w->state, traced && w->stage_runs_done == 0 && w->command_count == 0);
+    rheo__step_hashes_begin(&w->trace.known, &w->state,
+                            traced && w->stage_runs_done == 0 && w->command_count == 0 && !w->emission.made);
     double start = now();
     for (; w->stage_runs_done < rheo__world_stage_runs_in_step(w) && !differs; w->stage_runs_done++) {
         const uint32_t index = rheo__world_stage_of(w, w->stage_runs_done);
@@ -253,7 +260,7 @@ static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, si
     RHEO__TRY(rheo__check_environment(error));
     const bool whole = w->stage_runs_done == 0;
     if (whole)
-        begin(w);
+        RHEO__TRY(begin(w, error));
     rheo_result result = run_stages(w, traced, expected, count, check, error);
     if (result == RHEO_OK) {
         assert(!traced || !whole || w->trace.count == rheo__world_trace_start(w, w->stage_runs_done));
@@ -288,7 +295,7 @@ rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *er
 {
     RHEO__TRY(rheo__check_environment(error));
     if (w->stage_runs_done == 0)
-        begin(w);
+        RHEO__TRY(begin(w, error));
     rheo__step_hashes_forget(&w->trace.known);
     const uint64_t stage_run = w->stage_runs_done;
     *stage = rheo__world_stage_of(w, stage_run);

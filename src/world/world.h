@@ -117,6 +117,7 @@ enum {
     RHEO__FEATURE_PLATES = 8192,
     RHEO__FEATURE_OBSTACLES = 16384,
     RHEO__FEATURE_BALLS = 32768, /* more than one ball */
+    RHEO__FEATURE_EMITTERS = 65536,
 };
 /* Features that a valid definition needs. */
 uint32_t rheo__world_features(const rheo_world_def *def);
@@ -151,6 +152,14 @@ typedef struct rheo__metrics {
     double ball_max_speed[RHEO_MAX_BALLS]; /* 0 without a ball */
 } rheo__metrics;
 
+/* The particles that emitters added at the beginning of the step, and what takes them back. */
+typedef struct rheo__emission {
+    bool made; /* in the current step */
+    uint32_t particles;
+    double time, way[RHEO_MAX_EMITTERS];
+    uint64_t emitted[RHEO_MAX_EMITTERS], blocked[RHEO_MAX_EMITTERS];
+} rheo__emission;
+
 struct rheo_world {
     rheo_world_def def; /* definition in force; its particles are empty, its window and lag are in steps */
     uint32_t features;  /* fixed at creation */
@@ -174,6 +183,7 @@ struct rheo_world {
 
     rheo__command *command;
     size_t command_count, command_capacity;
+    rheo__emission emission;
 
     rheo__metrics metrics, failed_metrics;
 };

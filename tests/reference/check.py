@@ -59,6 +59,9 @@ class Check:
         if Definition(self.parameters, frame.parameters)['scheme'] == 'positions':
             self.read_states()
             return 'only read (scheme positions)'
+        if any(path.startswith('emitters.') for path in frame.parameters):
+            self.read_states()
+            return 'only read (emitters)'
         self.world, self.stored = World(self.head, frame, self.parameters), frame.values
         for step in self.recording.steps:
             self.step(step)

@@ -1,11 +1,12 @@
 /*
  * Prints the JSON schema (draft 2020-12) of scene files, with one alternative per model. Parameters and shapes come
- * from the tables of the library; scene_json.h describes the other keys.
+ * from the tables of the library, the other keys from scene_keys.c.
  */
-#include "cli/scenes.h"
+#include "cli/schema.h"
 
 #include <string.h>
 
+#include "cli/scenes.h"
 #include "json/json_parameter.h"
 
 static void put_type(rheo__json *json, const char *type)
@@ -31,23 +32,33 @@ static void put_numbers(rheo__json *json, double count, double minimum, double m
     rheo__json_end_object(json);
 }
 
+/* Writes the meaning and, if there is one, the unit. */
+static void put_description(rheo__json *json, const char *meaning, const char *unit)
+{
+    char text[320];
+    snprintf(text, sizeof text, "%s%s%s", meaning, *unit ? "; unit " : "", unit);
+    rheo__json_text(json, "description", text);
+}
+
 /* Writes a property that may have any value. */
-static void put_ignored(rheo__json *json, const char *key)
+static void put_ignored(rheo__json *json, const char *key, const char *meaning)
 {
     rheo__json_begin_object(json, key);
-    rheo__json_text(json, "description", "ignored");
+    put_description(json, meaning, "");
     rheo__json_end_object(json);
 }
 
-/* Begins the schema of an object without additional keys, and its properties. */
-static void begin_closed(rheo__json *json, const char *key)
+/* Begins the schema of an object without additional keys, and its properties. meaning: NULL for none. */
+static void begin_closed(rheo__json *json, const char *key, const char *meaning)
 {
     rheo__json_begin_object(json, key);
     put_type(json, "object");
+    if (meaning)
+        put_description(json, meaning, "");
     rheo__json_bool(json, "additionalProperties", false);
     rheo__json_begin_object(json, "properties");
-    put_ignored(json, "$schema");
-    put_ignored(json, "comment");
+    put_ignored(json, "$schema", "name of this schema, for editors; ignored");
+    put_ignored(json, "comment", "any value; ignored");
 }
 
 /* Ends it. `required` is a list of names, separated by blanks; "": none. */
@@ -87,11 +98,9 @@ static void put_window(rheo__json *json, const rheo_parameter *p)
 /* Begins the schema of a parameter, and describes it. */
 static void begin_parameter(rheo__json *json, const rheo_parameter *p)
 {
-    char description[256];
     const char *dot = strrchr(p->path, '.');
     rheo__json_begin_object(json, dot ? dot + 1 : p->path);
-    snprintf(description, sizeof description, "%s%s%s", p->about, *p->unit ? "; unit " : "", p->unit);
-    rheo__json_text(json, "description", description);
+    put_description(json, p->about, p->unit);
 }
 
 /* A parameter of a material: a number. */
@@ -154,12 +163,12 @@ static void put_parameter(rheo__json *json, const rheo_parameter *p, rheo_model 
     rheo__json_end_object(json);
 }
 
-/* ---- Shapes, walls, vibrators ---- */
+/* ---- Shapes ---- */
 
 static void put_member(rheo__json *json, const rheo_shape_member *m)
 {
     rheo__json_begin_object(json, m->name);
-    rheo__json_text(json, "description", m->meaning);
+    put_description(json, m->meaning, m->unit);
     switch (m->type) {
     case RHEO_SHAPE_NUMBER:
         put_type(json, "number");
@@ -193,8 +202,8 @@ static void put_member(rheo__json *json, const rheo_shape_member *m)
 static void put_shape(rheo__json *json, const rheo_shape *shape, rheo_model model)
 {
     char required[256] = "";
-    begin_closed(json, NULL);
-    begin_closed(json, shape->name);
+    begin_closed(json, NULL, shape->meaning);
+    begin_closed(json, shape->name, shape->meaning);
     for (size_t i = 0; i < shape->member_count; i++) {
         const rheo_shape_member *m = &shape->member[i];
         if (rheo_shape_member_has_model(m, model))
@@ -206,17 +215,20 @@ static void put_shape(rheo__json *json, const rheo_shape *shape, rheo_model mode
     end_closed(json, shape->name);
 }
 
-static void begin_list_of(rheo__json *json, const char *key, double most)
+static void begin_list_of(rheo__json *json, const char *key, const char *meaning, double least, double most)
 {
     rheo__json_begin_object(json, key);
     put_type(json, "array");
+    put_description(json, meaning, "");
+    if (least > 0)
+        rheo__json_number(json, "minItems", least);
     rheo__json_number(json, "maxItems", most);
 }
 
 static void put_shapes(rheo__json *json, rheo_model model)
 {
     const rheo_shape *shape;
-    begin_list_of(json, "shapes", RHEO_MAX_FILLS);
+    begin_list_of(json, "shapes", CLI_SHAPES_MEANING, 0, RHEO_MAX_FILLS);
     rheo__json_begin_object(json, "items");
     rheo__json_begin_list(json, "oneOf");
     for (size_t kind = 0; (shape = rheo_shape_at(kind)); kind++)
@@ -226,55 +238,86 @@ static void put_shapes(rheo__json *json, rheo_model model)
     rheo__json_end_object(json);
 }
 
-/* Writes a property that is a list of numbers. */
-static void put_vector(rheo__json *json, const char *key, double count)
-{
-    rheo__json_begin_object(json, key);
-    put_numbers(json, count, -1e30, 1e30);
-    rheo__json_end_object(json);
-}
+/* ---- Walls, vibrators, curves ---- */
 
-static void put_walls(rheo__json *json)
+static void put_sides(rheo__json *json)
 {
-    static const char *const sides[] = {"bottom", "top", "left", "right", "back", "front"};
-    begin_list_of(json, "planes", RHEO_MAX_WALLS);
-    begin_closed(json, "items");
-    put_vector(json, "point", 3);
-    put_vector(json, "normal", 3);
-    end_closed(json, "point normal");
-    rheo__json_end_object(json);
-    begin_list_of(json, "boxes", RHEO_MAX_WALLS);
-    begin_closed(json, "items");
-    put_vector(json, "min", 3);
-    put_vector(json, "max", 3);
-    rheo__json_begin_object(json, "open");
     put_type(json, "array");
     rheo__json_begin_object(json, "items");
     rheo__json_begin_list(json, "enum");
-    for (size_t i = 0; i < sizeof sides / sizeof *sides; i++)
-        rheo__json_text(json, NULL, sides[i]);
+    for (size_t i = 0; i < CLI_SIDES; i++)
+        rheo__json_text(json, NULL, cli_sides[i]);
     rheo__json_end_list(json);
-    rheo__json_end_object(json);
-    rheo__json_end_object(json);
-    end_closed(json, "min max");
     rheo__json_end_object(json);
 }
 
-static void put_vibrators(rheo__json *json)
+static void put_key(rheo__json *json, const cli_scene_key *key)
 {
-    begin_list_of(json, "positions", RHEO_MAX_VIBRATORS);
-    rheo__json_begin_object(json, "items");
-    put_numbers(json, 2, -1e30, 1e30);
+    rheo__json_begin_object(json, key->name);
+    put_description(json, key->meaning, key->unit);
+    if (key->numbers == 0) {
+        put_sides(json);
+    } else if (key->numbers == 1) {
+        put_type(json, "number");
+        put_range(json, key->minimum, key->above_minimum, CLI_UNBOUNDED, false);
+    } else {
+        put_numbers(json, key->numbers, key->minimum, CLI_UNBOUNDED);
+    }
+    rheo__json_end_object(json);
+}
+
+/* Writes an object with its keys. */
+static void put_keys(rheo__json *json, const char *name, const cli_scene_object *object)
+{
+    char required[256] = "";
+    begin_closed(json, name, object->meaning);
+    for (size_t i = 0; i < object->key_count; i++) {
+        put_key(json, &object->key[i]);
+        if (object->key[i].required)
+            snprintf(required + strlen(required), sizeof required - strlen(required), "%s ", object->key[i].name);
+    }
+    end_closed(json, required);
+}
+
+static void put_object(rheo__json *json, const cli_scene_object *object)
+{
+    if (!object->most) {
+        put_keys(json, object->name, object);
+        return;
+    }
+    begin_list_of(json, object->name, object->meaning, object->least, object->most);
+    if (object->key_count) {
+        put_keys(json, "items", object);
+    } else {
+        rheo__json_begin_object(json, "items");
+        put_numbers(json, 2, -object->bound, object->bound);
+        rheo__json_end_object(json);
+    }
+    rheo__json_end_object(json);
+}
+
+/* ---- Materials ---- */
+
+/* Writes the name of a material or an emitter. */
+static void put_name(rheo__json *json)
+{
+    rheo__json_begin_object(json, "name");
+    put_type(json, "string");
+    put_description(json, CLI_MATERIAL_NAME_MEANING, "");
+    rheo__json_text(json, "pattern", "^[A-Za-z][A-Za-z0-9_-]{0,14}$");
+    rheo__json_begin_object(json, "not"); /* the name of that of shapes without a material */
+    rheo__json_text(json, "const", "main");
     rheo__json_end_object(json);
     rheo__json_end_object(json);
-    begin_closed(json, "grid");
-    put_vector(json, "min", 2);
-    put_vector(json, "max", 2);
-    rheo__json_begin_object(json, "spacing");
-    put_type(json, "number");
-    rheo__json_number(json, "exclusiveMinimum", 0);
+}
+
+static void put_text_key(rheo__json *json, const char *key, const char *meaning, size_t size)
+{
+    rheo__json_begin_object(json, key);
+    put_type(json, "string");
+    put_description(json, meaning, "");
+    rheo__json_number(json, "maxLength", (double)size - 1);
     rheo__json_end_object(json);
-    end_closed(json, "min max spacing");
 }
 
 /* Writes the materials: a list of objects with a name and parameters that are those of the main material by default. */
@@ -282,17 +325,11 @@ static void put_materials(rheo__json *json)
 {
     static const char *const groups[] = {"springs", "history"};
     const rheo_parameter *p;
-    begin_list_of(json, "materials", RHEO_MAX_MATERIALS);
-    begin_closed(json, "items");
-    rheo__json_begin_object(json, "name");
-    put_type(json, "string");
-    rheo__json_text(json, "pattern", "^[A-Za-z][A-Za-z0-9_-]{0,14}$");
-    rheo__json_begin_object(json, "not"); /* the name of that of shapes without a material */
-    rheo__json_text(json, "const", "main");
-    rheo__json_end_object(json);
-    rheo__json_end_object(json);
+    begin_list_of(json, "materials", CLI_MATERIALS_MEANING, 0, RHEO_MAX_MATERIALS);
+    begin_closed(json, "items", NULL);
+    put_name(json);
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
-        begin_closed(json, groups[g]);
+        begin_closed(json, groups[g], NULL);
         for (size_t i = 0; (p = rheo_material_parameter_at(i)); i++)
             if (strncmp(p->path + strlen("materials.NAME."), groups[g], strlen(groups[g])) == 0)
                 put_material_parameter(json, p);
@@ -302,23 +339,20 @@ static void put_materials(rheo__json *json)
     rheo__json_end_object(json);
 }
 
+/* ---- Obstacles ---- */
+
 /* Writes the obstacles: a list of objects with one shape, which has its parameters. */
 static void put_obstacles(rheo__json *json)
 {
     const rheo_parameter *shape = rheo_obstacle_parameter_at(0), *p;
-    begin_list_of(json, "obstacles", RHEO_MAX_OBSTACLES);
+    begin_list_of(json, "obstacles", CLI_OBSTACLES_MEANING, 0, RHEO_MAX_OBSTACLES);
     rheo__json_begin_object(json, "items");
     rheo__json_begin_list(json, "oneOf");
     for (uint32_t k = 0; k < shape->choice_count; k++) {
-        begin_closed(json, NULL);
-        begin_closed(json, shape->choices[k]);
-        if (k == RHEO_OBSTACLE_MESH) {
-            rheo__json_begin_object(json, "file");
-            rheo__json_text(json, "description", "\"bunny\", which is built in, or an .obj or .ply file");
-            put_type(json, "string");
-            rheo__json_number(json, "maxLength", (double)sizeof((rheo_obstacle *)0)->file - 1);
-            rheo__json_end_object(json);
-        }
+        begin_closed(json, NULL, NULL);
+        begin_closed(json, shape->choices[k], NULL);
+        if (k == RHEO_OBSTACLE_MESH)
+            put_text_key(json, "file", CLI_OBSTACLE_FILE_MEANING, sizeof((rheo_obstacle *)0)->file);
         for (size_t i = 1; (p = rheo_obstacle_parameter_at(i)); i++)
             if (rheo_obstacle_has_parameter((rheo_obstacle_shape)k, p))
                 put_obstacle_parameter(json, p, (rheo_obstacle_shape)k);
@@ -330,13 +364,21 @@ static void put_obstacles(rheo__json *json)
     rheo__json_end_object(json);
 }
 
-static void put_curve(rheo__json *json)
+/* ---- Emitters ---- */
+
+static void put_emitters(rheo__json *json, rheo_model model)
 {
-    begin_list_of(json, "curve", RHEO_MAX_CURVE_POINTS);
-    rheo__json_integer(json, "minItems", 2);
-    rheo__json_begin_object(json, "items");
-    put_numbers(json, 2, -1e12, 1e12);
-    rheo__json_end_object(json);
+    const rheo_parameter *p;
+    begin_list_of(json, "emitters", CLI_EMITTERS_MEANING, 0, RHEO_MAX_EMITTERS);
+    begin_closed(json, "items", NULL);
+    put_name(json);
+    for (size_t i = 0; (p = rheo_emitter_parameter_at(i)); i++)
+        if (strcmp(p->path, "emitters.NAME.material") == 0 && cli_has_parameter(model, p))
+            put_text_key(json, "material", "name of the material of its particles; by default the main one",
+                         sizeof((rheo_material *)0)->name);
+        else if (cli_has_parameter(model, p))
+            put_parameter(json, p, model);
+    end_closed(json, "name position");
     rheo__json_end_object(json);
 }
 
@@ -356,18 +398,16 @@ static void put_group(rheo__json *json, const char *group, rheo_model model)
         any = any || (is_in_group(p, group) && cli_has_parameter(model, p));
     if (!any)
         return;
-    begin_closed(json, group);
+    begin_closed(json, group, NULL);
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
         if (is_in_group(p, group) && cli_has_parameter(model, p))
             put_parameter(json, p, model);
     if (strcmp(group, "fluid") == 0)
         put_shapes(json, model);
-    else if (strcmp(group, "walls") == 0)
-        put_walls(json);
-    else if (strcmp(group, "vibrators") == 0)
-        put_vibrators(json);
-    else if (strcmp(group, "history") == 0)
-        put_curve(json);
+    const cli_scene_object *object;
+    for (size_t i = 0; (object = cli_scene_object_at(i)); i++)
+        if (strcmp(group, object->group) == 0)
+            put_object(json, object);
     end_closed(json, "");
 }
 
@@ -388,20 +428,18 @@ static void put_model(rheo__json *json, rheo_model model)
 {
     char group[64], seen[512] = " ";
     const rheo_parameter *p;
-    begin_closed(json, NULL);
-    rheo__json_begin_object(json, "scene");
-    put_type(json, "string");
-    rheo__json_end_object(json);
-    rheo__json_begin_object(json, "about");
-    put_type(json, "string");
-    rheo__json_end_object(json);
+    begin_closed(json, NULL, NULL);
+    put_text_key(json, "scene", CLI_NAME_MEANING, sizeof((rheo_scene *)0)->name);
+    put_text_key(json, "about", CLI_ABOUT_MEANING, sizeof((rheo_scene *)0)->about);
     rheo__json_begin_object(json, "model");
+    put_description(json, rheo_scene_parameter_find("model")->about, "");
     rheo__json_text(json, "const", rheo_model_name(model));
     rheo__json_end_object(json);
     if (cli_has_parameter(model, rheo_material_parameter_at(0)))
         put_materials(json);
     if (cli_has_parameter(model, rheo_obstacle_parameter_at(0)))
         put_obstacles(json);
+    put_emitters(json, model);
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
         const size_t length = strcspn(p->path, ".");
         snprintf(group, sizeof group, " %.*s ", (int)length, p->path);
@@ -420,7 +458,7 @@ static void put_model(rheo__json *json, rheo_model model)
     end_closed(json, model == 0 ? "" : "model"); /* the first model is the default */
 }
 
-void cli_scene_schema(void)
+void cli_schema_json(void)
 {
     rheo__json json = {.file = stdout, .lines = 12};
     rheo__json_begin_object(&json, NULL);
