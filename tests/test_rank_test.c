@@ -83,6 +83,44 @@ static void ties_have_the_probabilities_of_all_choices(void **state)
     NEAR(probability(VALUES, FIRST, ALL), 2.0 * fewer / choices < 1 ? 2.0 * fewer / choices : 1, 1e-14);
 }
 
+/* The distribution is kept for samples of the same sizes without ties, and made again for others. */
+static void a_kept_distribution_serves_only_its_own_samples(void **state)
+{
+    (void)state;
+    static const struct {
+        double values[8];
+        uint32_t first, all;
+        bool kept;
+    } samples[] = {
+        {{1, 2, 3, 4, 5, 6}, 3, 6, false},       {{6, 1, 2, 5, 3, 4}, 3, 6, true},
+        {{1, 2, 3, 4, 5, 6}, 2, 6, false},       {{1, 2, 3, 4, 5, 6, 7, 8}, 2, 8, false},
+        {{1, 2, 2, 4, 5, 6, 7, 8}, 2, 8, false}, {{1, 2, 2, 4, 4, 6, 7, 8}, 2, 8, false},
+        {{1, 2, 3, 4, 5, 6, 7, 8}, 2, 8, false}, {{8, 2, 3, 4, 5, 6, 7, 1}, 2, 8, true},
+    };
+    rheo__rank_sums sums = {0};
+    for (size_t i = 0; i < sizeof samples / sizeof *samples; i++) {
+        rheo__ranks_of ranks;
+        uint32_t sum = 0;
+        double before[256] = {0};
+        const double *was = sums.least;
+        if (was)
+            memcpy(before, was, sums.sums * sizeof *before);
+        rheo__rank(&ranks, samples[i].values, samples[i].first, samples[i].all);
+        if (samples[i].kept)
+            sums.least[0] = 7; /* is read again, if it is made again */
+        assert_true(rheo__rank_sums_take(&sums, &ranks));
+        assert_int_equal(sums.least[0] == 7, samples[i].kept);
+        if (samples[i].kept)
+            sums.least[0] = before[0];
+        for (uint32_t k = 0; k < samples[i].first; k++)
+            sum += ranks.rank[k];
+        NEAR(rheo__rank_probability(&sums, sum), probability(samples[i].values, samples[i].first, samples[i].all), 0);
+        NEAR(sums.least[sums.sums - 1], 1, 0);
+    }
+    rheo__rank_sums_release(&sums);
+    assert_true(!sums.least && !sums.sums);
+}
+
 static void the_largest_samples_are_exact_too(void **state)
 {
     (void)state;
@@ -122,6 +160,7 @@ int main(void)
         cmocka_unit_test(small_samples_have_the_probabilities_that_one_can_count),
         cmocka_unit_test(the_limits_are_those_of_the_tables),
         cmocka_unit_test(ties_have_the_probabilities_of_all_choices),
+        cmocka_unit_test(a_kept_distribution_serves_only_its_own_samples),
         cmocka_unit_test(the_largest_samples_are_exact_too),
         cmocka_unit_test(benjamini_and_yekutieli_by_hand),
     };
