@@ -342,8 +342,8 @@ static void record_pair(const char *path, uint64_t meets, uint64_t steps, double
     static const rheo_real velocity[6] = {0, 0, 0, -1, 0, 0};
     rheo_world *world = world_of(def, 2, position, velocity);
     rheo_recorder *recorder;
-    OK(rheo_recorder_open(world, path, &(rheo_record_options){.scene = "pair", .full = true, .force = true}, &recorder,
-                          &error));
+    OK(rheo_recorder_open(world, path, &(rheo_record_options){.scene = "pair", .full = true, .force = true},
+                          &recorder, &error));
     for (uint64_t i = 0; i < steps; i++)
         OK(rheo_recorder_step(recorder, &error));
     OK(rheo_recorder_close(recorder, &error));
@@ -357,7 +357,8 @@ static void a_cause_is_looked_for_in_the_first_steps(void **unused)
     static const struct {
         uint64_t meets, steps;
         bool found;
-    } cases[] = {{1, 5, true}, {2, 5, true}, {5, 5, true}, {6, 5, false}, {31, 40, true}, {32, 40, true}, {33, 40, false}};
+    } cases[] = {{1, 5, true},   {2, 5, true},   {5, 5, true},   {6, 5, false},
+                 {31, 40, true}, {32, 40, true}, {33, 40, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         record_pair(A, cases[i].meets, cases[i].steps, 1, 0);
         record_pair(B, cases[i].meets, cases[i].steps, 2, 1e-3);

@@ -172,21 +172,22 @@ static void an_ulp_is_that_of_the_own_value(void **state)
     }
 }
 
-/* Along x the space has a period of 8. */
+/* Along x the space has a period. */
 static void positions_are_compared_with_the_nearest_image(void **state)
 {
     (void)state;
     judged j;
     static const double FAR[] = {7, 1, 3, 5, 4}, NEAREST[] = {1, 1, 3, 3, 4};
-    for (int k = 0; k < 5; k++)
-        for (int axis = 0; axis < 2; axis++) {
-            begin(&j, 1e30, false);
-            j.world.period.length[0] = 8;
-            j.side[RECORDED].position[3 + axis] = (rheo_real)FAR[k];
-            judge(&j);
-            assert_string_equal(j.result.worst.field, "position");
-            NEAR(j.result.worst.largest, axis ? FAR[k] : NEAREST[k], 0);
-        }
+    for (double unit = 0x1p-5; unit <= 1; unit *= 0x1p5)
+        for (int k = 0; k < 5; k++)
+            for (int axis = 0; axis < 2; axis++) {
+                begin(&j, 1e30, false);
+                j.world.period.length[0] = (rheo_real)(8 * unit);
+                j.side[RECORDED].position[3 + axis] = (rheo_real)(FAR[k] * unit);
+                judge(&j);
+                assert_string_equal(j.result.worst.field, "position");
+                NEAR(j.result.worst.largest, (axis ? FAR[k] : NEAREST[k]) * unit, 0);
+            }
     /* Velocities have no images. */
     begin(&j, 1e30, false);
     j.world.period.length[0] = 8;
@@ -223,11 +224,12 @@ static void springs_of_one_side_are_counted(void **state)
     (void)state;
     static const struct {
         int recorded[2], own[2], other[2];
-        double ratio;
+        double ratio, difference;
     } cases[] = {
-        {{1, 0}, {0, 0}, {0, 0}, 2}, {{0, 1}, {0, 0}, {0, 0}, 1}, {{1, 1}, {0, 0}, {0, 0}, 3},
-        {{0, 0}, {1, 1}, {0, 0}, 1}, {{1, 0}, {0, 0}, {0, 1}, 2}, {{0, 1}, {0, 0}, {1, 0}, 0.5},
-        {{0, 0}, {0, 0}, {1, 1}, 0}, {{0, 3}, {0, 0}, {0, 0}, 3}, {{0, 0}, {0, 3}, {0, 0}, 1},
+        {{1, 0}, {0, 0}, {0, 0}, 2, 2}, {{0, 1}, {0, 0}, {0, 0}, 1, 1},   {{1, 1}, {0, 0}, {0, 0}, 3, 3},
+        {{0, 0}, {1, 1}, {0, 0}, 1, 3}, {{1, 0}, {0, 0}, {0, 1}, 2, 2},   {{0, 1}, {0, 0}, {1, 0}, 0.5, 1},
+        {{0, 0}, {0, 0}, {1, 1}, 0, 0}, {{0, 3}, {0, 0}, {0, 0}, 3, 3},   {{0, 0}, {0, 3}, {0, 0}, 1, 3},
+        {{1, 0}, {0, 1}, {0, 0}, 3, 3}, {{0, 1}, {1, 0}, {0, 0}, 1.5, 3},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         judged j;
@@ -238,8 +240,8 @@ static void springs_of_one_side_are_counted(void **state)
         judge(&j);
         if (cases[i].ratio > 0)
             is_worst(&j, "spring_ends", cases[i].ratio);
-        else
-            assert_true(j.result.worst.ratio == 0);
+        NEAR(j.result.worst.ratio, cases[i].ratio, 0);
+        NEAR(j.result.worst.largest, cases[i].difference, 0);
         assert_true(j.result.decisions == 0 && j.judge.decisions == 0);
     }
 }
