@@ -38,6 +38,9 @@ static void small_samples_have_the_probabilities_that_one_can_count(void **state
     NEAR(probability((double[]){1, 2, 3, 4, 5, 6, 7, 8}, 4, 8), 2.0 / 70, 1e-15);
     NEAR(probability((double[]){1, 2, 3, 5, 4, 6, 7, 8}, 4, 8), 4.0 / 70, 1e-15);
     NEAR(probability((double[]){1, 1, 1, 1, 1, 1}, 3, 6), 1, 1e-15);
+    rheo__ranks_of ranks; /* twice the ranks from 1 on */
+    rheo__rank(&ranks, (double[]){5, 3, 4, 3}, 2, 4);
+    assert_true(ranks.rank[0] == 8 && ranks.rank[1] == 3 && ranks.rank[2] == 6 && ranks.rank[3] == 3);
 }
 
 /* Largest U that rejects at 5 % and at 1 %, two-sided, in the tables of Mann and Whitney's test. */
@@ -151,6 +154,9 @@ static void benjamini_and_yekutieli_by_hand(void **state)
     assert_int_equal(rheo__reject((double[]){.005, .013, .0175, .5}, order, 4, .05), 3);
     assert_int_equal(rheo__reject((double[]){.0061, .0121, .0181, .0241}, order, 4, .05), 0);
     assert_int_equal(rheo__reject((double[]){.0239, .0239, .0239, .0239}, order, 4, .05), 4);
+    for (uint32_t i = 0; i < 4; i++) /* equal ones keep their order */
+        assert_int_equal(order[i], i);
+    assert_int_equal(rheo__reject((double[]){.5}, order, 1, .5), 1); /* at the limit */
     assert_int_equal(rheo__reject(NULL, order, 0, .05), 0);
 }
 

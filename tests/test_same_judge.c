@@ -163,6 +163,17 @@ static void an_ulp_is_that_of_the_own_value(void **state)
     j.side[RECORDED].velocity[3] = 5 * (RHEO_DOUBLE ? (rheo_real)0x1p-1074 : (rheo_real)0x1p-149F);
     judge(&j);
     NEAR(j.result.worst.largest_yardstick, 0.2 * j.result.worst.largest, 0);
+    const rheo_real largest = (rheo_real)0x1.fffffep127F;
+    if (!RHEO_DOUBLE) { /* the next number is infinite; squares of double numbers of this size are, too */
+        begin(&j, 100, false);
+        for (int k = 0; k < 3; k++)
+            for (int i = 0; i < VALUES; i++)
+                j.side[k].velocity[i] = largest;
+        j.side[RECORDED].velocity[0] = largest / 2;
+        judge(&j);
+        is_worst(&j, "velocity", INFINITY);
+        assert_true(j.result.worst.largest_yardstick == 0);
+    }
     for (int bad = 0; bad < 2; bad++) {
         begin(&j, 100, false);
         j.side[RECORDED].velocity[0] = bad ? (rheo_real)NAN : (rheo_real)INFINITY;
