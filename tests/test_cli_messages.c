@@ -231,6 +231,23 @@ static void long_lines_are_wrapped_on_a_terminal(void **state)
     }
 }
 
+/* On a terminal, progress is one line that is written anew five times a second; elsewhere lines have no such marks. */
+static void progress_is_written_over_on_a_terminal_only(void **state)
+{
+    (void)state;
+    const char *command = "run bowling-ball-small --set settle.time=0 --steps 60 -o progress.rlog --force";
+    if (!on_terminal(command, 80))
+        skip();
+    assert_non_null(strstr(out, "\r\033[Kstep "));
+    const char *last = out; /* the line is cleared at the end */
+    for (const char *next = out; (next = strstr(next, "\r\033[K")); next++)
+        last = next;
+    assert_true(strncmp(last, "\r\033[Kstep ", 9) != 0);
+    assert_code(0, run("%s", command));
+    assert_null(strchr(err, '\033'));
+    remove("progress.rlog");
+}
+
 static void unlike_words_are_not_suggested(void **state)
 {
     (void)state;
@@ -622,6 +639,7 @@ int main(void)
         cmocka_unit_test(a_pointer_of_git_lfs_is_only_to_be_fetched),
         cmocka_unit_test(reports_say_why_a_file_is_unreadable),
         cmocka_unit_test(long_lines_are_wrapped_on_a_terminal),
+        cmocka_unit_test(progress_is_written_over_on_a_terminal_only),
         cmocka_unit_test(unlike_words_are_not_suggested),
         cmocka_unit_test(one_is_singular),
         cmocka_unit_test(every_command_takes_quiet),

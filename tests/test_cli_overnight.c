@@ -668,6 +668,24 @@ static void a_limited_run_that_is_ended_again_and_again_ends_with_the_same_bytes
     }
 }
 
+/* A new file may be within its first keyframe, so a head that cannot be read is looked at eight times, 250 ms apart. */
+static void following_gives_up_a_head_that_stays_damaged(void **state)
+{
+    (void)state;
+    size_t size;
+    struct timespec begin, end;
+    record("a.rlog");
+    unsigned char *bytes = (unsigned char *)read_bytes("a.rlog", &size);
+    bytes[40] ^= 1;
+    write_file("damaged.rlog", (const char *)bytes, size);
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    assert_code(2, run("metrics --follow damaged.rlog >rows.csv"));
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    assert_one_message("damaged.rlog");
+    assert_int_equal(file_size("rows.csv"), 0);
+    assert_true((double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec) >= 7 * 0.25);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -684,6 +702,7 @@ int main(void)
         cmocka_unit_test(metrics_follow_a_recording_until_its_writer_ends),
         cmocka_unit_test(following_ends_with_a_whole_line_after_a_signal),
         cmocka_unit_test(following_a_complete_recording_prints_it),
+        cmocka_unit_test(following_gives_up_a_head_that_stays_damaged),
         cmocka_unit_test(run_and_doctor_agree),
         cmocka_unit_test(the_size_is_told_before_and_after),
         cmocka_unit_test(a_bad_limit_is_refused),

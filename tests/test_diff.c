@@ -331,6 +331,48 @@ static void parameters_of_settling_are_the_cause(void **unused)
     assert_string_equal(v.cause.field, "position");
 }
 
+/* Two particles, one of which comes within the support of the other in step `meets`. */
+static void record_pair(const char *path, uint64_t meets, uint64_t steps, double stiffness, double aside)
+{
+    rheo_world_def def = inert_def();
+    def.step = 0x1p-6;
+    def.substeps = 1;
+    def.fluid.near_stiffness = stiffness;
+    const rheo_real position[6] = {0, 0, 0, (rheo_real)(2 + ((double)meets - 0.5) * def.step), (rheo_real)aside, 0};
+    static const rheo_real velocity[6] = {0, 0, 0, -1, 0, 0};
+    rheo_world *world = world_of(def, 2, position, velocity);
+    rheo_recorder *recorder;
+    OK(rheo_recorder_open(world, path, &(rheo_record_options){.scene = "pair", .full = true, .force = true},
+                          &recorder, &error));
+    for (uint64_t i = 0; i < steps; i++)
+        OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+}
+
+/* Other starts hide what a parameter does, so the first one is continued: for 32 steps, or to its end. */
+static void a_cause_is_looked_for_in_the_first_steps(void **unused)
+{
+    (void)unused;
+    static const struct {
+        uint64_t meets, steps;
+        bool found;
+    } cases[] = {{1, 5, true},   {2, 5, true},   {5, 5, true},   {6, 5, false},
+                 {31, 40, true}, {32, 40, true}, {33, 40, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        record_pair(A, cases[i].meets, cases[i].steps, 1, 0);
+        record_pair(B, cases[i].meets, cases[i].steps, 2, 1e-3);
+        const rheo_verification v = diff(A, B);
+        assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 0);
+        assert_int_equal(v.has_cause, cases[i].found);
+        if (v.has_cause)
+            assert_int_equal(v.cause.step, cases[i].meets);
+        /* The same parameters have no cause. */
+        record_pair(B, cases[i].meets, cases[i].steps, 1, 1e-3);
+        assert_false(diff(A, B).has_cause);
+    }
+}
+
 /* Neither recording replays with this build, so values exist only in stored states. */
 static void recordings_of_other_builds_need_stored_states(void **unused)
 {
@@ -740,6 +782,7 @@ int main(void)
         cmocka_unit_test(sizes_say_what_ulps_cannot),
         cmocka_unit_test(an_item_of_one_side_is_said_to_be_there_only),
         cmocka_unit_test(parameters_of_settling_are_the_cause),
+        cmocka_unit_test(a_cause_is_looked_for_in_the_first_steps),
         cmocka_unit_test(recordings_of_other_builds_need_stored_states),
         cmocka_unit_test(recordings_are_compared_over_common_steps),
         cmocka_unit_test(files_that_cannot_be_compared_are_reported),

@@ -2,6 +2,7 @@
 #include "mesh_support.h"
 
 #include "scenes/fill.h"
+#include "scenes/lattice.h"
 #include "scenes/letters.h"
 
 /* ---- Tests: letters ---- */
@@ -467,11 +468,24 @@ static void a_settled_scene_is_not_in_memory_twice(void **unused)
     assert_int_equal(u.now, 0);
 }
 
+/* Quarters below and above zero against integers that are counted. */
+static void numbers_are_rounded_to_integers(void **unused)
+{
+    (void)unused;
+    static const int HALF_UP[] = {-2, -2, -1, -1, -1, -1, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2},
+                     UP[] = {-2, -1, -1, -1, -1, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2};
+    for (int i = 0; i < 17; i++) {
+        assert_int_equal(rheo__round_half_up(0.25 * i - 2), HALF_UP[i]);
+        assert_int_equal(rheo__round_up(0.25 * i - 2), UP[i]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(letters_have_a_particle_per_dot),
         cmocka_unit_test(half_a_spacing_is_rounded_up),
+        cmocka_unit_test(numbers_are_rounded_to_integers),
         cmocka_unit_test(missing_letters_are_listed_once_and_whole),
         cmocka_unit_test(a_mesh_from_a_file_is_placed_and_scaled),
         cmocka_unit_test(the_bunny_is_placed_at_its_position),

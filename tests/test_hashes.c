@@ -232,6 +232,57 @@ static void every_bit_of_a_rest_length_counts(void **state)
 
 /* ---- Packed values ---- */
 
+/* The ring has blocks of 512 numbers, and the last one of these particles has not a whole word more of float numbers. */
+static void every_place_of_a_history_is_found(void **state)
+{
+    (void)state;
+    enum { PARTICLES = 347, STEPS = 3 };
+    static rheo_real position[3 * PARTICLES];
+    rheo_world_def def = rheo_default_world_def();
+    for (uint32_t i = 0; i < 3 * PARTICLES; i++)
+        position[i] = (rheo_real)(i % 3 == 0 ? 2 * (i / 30) : i % 3 == 1 ? 2 * (i / 3 % 10) : 1);
+    def.particles.count = PARTICLES;
+    def.particles.position = position;
+    def.history.kind = RHEO_HISTORY_WINDOW;
+    rheo_world *world;
+    OK(rheo_world_create(&def, &world, &error));
+    for (int n = 0; n < STEPS; n++)
+        OK(rheo_world_step(world, &error));
+    rheo__state *s = &world->state;
+    int fields = 0;
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        if (!rheo__state_has(s, f) || rheo__field_table[f].storage != RHEO__RING)
+            continue;
+        uint64_t hash;
+        rheo__solution found;
+        rheo__state_hash_newest(s, RHEO__SET_OF(f), &hash);
+        for (uint32_t i = 0; i < 3 * PARTICLES; i++) {
+            rheo_real *value =
+                rheo__ring_block(&s->ring, i / RHEO__RING_BLOCK, rheo__ring_slot(&s->ring, 0)) + i % RHEO__RING_BLOCK;
+            const rheo_real was = *value;
+            rheo__real_bits own, other;
+            memcpy(&other, &was, sizeof other);
+            own = other ^ 4;
+            memcpy(value, &own, sizeof own);
+            assert_true(rheo__state_solve(s, f, hash, &found));
+            assert_true(found.id == i / 3 && found.component == i % 3);
+            assert_true(found.own == own && found.other == other && found.count == 1);
+            *value = was;
+        }
+        /* The place behind the last number would explain this hash, but has no number. */
+        const uint64_t n = 3 * PARTICLES * sizeof(rheo_real) / 8, items = rheo__state_items(s, f);
+        rheo__real_bits last;
+        memcpy(&last, rheo__ring_block(&s->ring, 2, rheo__ring_slot(&s->ring, 0)) + 16, sizeof last);
+        const uint64_t word = RHEO_DOUBLE ? 0 : (uint64_t)last, behind = word ^ UINT64_C(4) << (RHEO_DOUBLE ? 0 : 32);
+        const uint64_t sum =
+            rheo__hash_sum(hash, 1, items) + rheo__hash_word(0, n, behind) - rheo__hash_word(0, n, word);
+        assert_false(rheo__state_solve(s, f, rheo__hash_field(sum, 1, items), &found));
+        fields++;
+    }
+    assert_int_equal(fields, 1);
+    rheo_world_destroy(world);
+}
+
 static void packed_values_are_read_again(void **state)
 {
     (void)state;
@@ -299,6 +350,7 @@ int main(void)
         cmocka_unit_test(hashes_brought_up_to_date_are_those_made_anew),
         cmocka_unit_test(a_step_stops_behind_the_first_other_hash),
         cmocka_unit_test(every_bit_of_a_rest_length_counts),
+        cmocka_unit_test(every_place_of_a_history_is_found),
         cmocka_unit_test(packed_values_are_read_again),
         cmocka_unit_test(a_width_that_no_packed_value_has_is_refused),
     };

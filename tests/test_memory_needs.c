@@ -1,6 +1,8 @@
 /* The estimate of the memory that a scene needs, compared with what the allocator was asked for. */
 #include "support.h"
 
+#include "world/world.h"
+
 typedef struct counter {
     size_t now, most;
 } counter;
@@ -73,6 +75,45 @@ static void the_estimate_is_near_the_memory_that_is_taken(void **state)
     }
 }
 
+/* What a memory takes is that of its rows, as a world has them when they are full. */
+static void the_rows_of_each_memory_are_counted(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *set[4];
+        uint64_t rows; /* 0: as many as the world has */
+    } cases[] = {
+        {{"history.stiffness", "0"}, 0},
+        {{"history.kind", "window", "history.window", "9"}, 10},
+        {{"history.kind", "window", "history.window", "1"}, 2},
+        {{"history.kind", "window-fast", "history.window", "20"}, 0},
+        {{"history.kind", "tempered", "history.window", "20"}, 0},
+        {{"history.kind", "full", "history.window", "20"}, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo_scene scene = lively_scene();
+        rheo_world *world;
+        scene.settle.time = 0;
+        for (int k = 0; k < 4 && cases[i].set[k]; k += 2)
+            OK(rheo_scene_set(&scene, cases[i].set[k], cases[i].set[k + 1], &error));
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        for (int k = 0; k < 30; k++)
+            OK(rheo_world_step(world, &error));
+        uint64_t ring = 0, modes = 0;
+        for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+            if (rheo__state_has(&world->state, f)) {
+                ring += rheo__field_table[f].storage == RHEO__RING ? rheo__state_rows(&world->state, f) : 0;
+                modes += rheo__field_table[f].storage == RHEO__MODES ? rheo__state_rows(&world->state, f) : 0;
+            }
+        assert_true(i > 0 ? ring + modes > 0 : ring + modes == 0);
+        assert_int_equal(rheo__world_ring_rows(&world->def, world->features), ring);
+        assert_int_equal(rheo__world_memory_rows(&world->def, world->features), ring + modes);
+        if (cases[i].rows)
+            assert_int_equal(ring + modes, cases[i].rows);
+        rheo_world_destroy(world);
+    }
+}
+
 static void a_scene_too_large_for_any_machine_is_estimated_at_once(void **state)
 {
     (void)state;
@@ -89,6 +130,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_estimate_is_near_the_memory_that_is_taken),
+        cmocka_unit_test(the_rows_of_each_memory_are_counted),
         cmocka_unit_test(a_scene_too_large_for_any_machine_is_estimated_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

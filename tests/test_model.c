@@ -676,6 +676,27 @@ static void the_stiffness_of_a_spring_follows_from_its_rate(void **unused)
 }
 
 /* Two particles in one place part along the direction that belongs to their numbers, wherever they are, in every scheme. */
+/* Without a rest density there is nothing to measure a density by. */
+static void densities_have_no_unit_without_a_rest_density(void **unused)
+{
+    (void)unused;
+    static const rheo_real position[6] = {0, 0, 0, 1, 0, 0};
+    static const char *const name[] = {"density_error", "max_density"};
+    rheo_world_def def = inert_def();
+    def.fluid.rest_density = 0;
+    rheo_world *world = world_of(def, 2, position, NULL);
+    OK(rheo_world_step(world, &error));
+    int found = 0;
+    for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
+        for (int k = 0; k < 2; k++)
+            if (strcmp(rheo_world_metric_name(world, i), name[k]) == 0) {
+                NEAR(rheo_world_metric(world, i), 0, 0);
+                found++;
+            }
+    assert_int_equal(found, 2);
+    rheo_world_destroy(world);
+}
+
 static void coinciding_particles_part_in_their_direction(void **unused)
 {
     (void)unused;
@@ -732,6 +753,7 @@ int main(void)
         cmocka_unit_test(history_ignores_common_motion),
         cmocka_unit_test(bare_worlds_derive_only_the_substep),
         cmocka_unit_test(the_stiffness_of_a_spring_follows_from_its_rate),
+        cmocka_unit_test(densities_have_no_unit_without_a_rest_density),
         cmocka_unit_test(coinciding_particles_part_in_their_direction),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);

@@ -4,6 +4,7 @@
 #include <ctype.h>
 
 #include "core/words.h"
+#include "world/parameters.h"
 
 /* Every choice has a word, every default is in its range, and every path is found and unique. */
 static void rows_are_complete(void **unused)
@@ -202,6 +203,35 @@ static void refusals_name_limits_that_hold(void **unused)
         else
             scene.world.step = number_after(&why, "step at least ");
         OK(rheo_scene_check(&scene, &error));
+    }
+}
+
+/* One component other than the default is enough. */
+static void every_component_of_a_default_counts(void **unused)
+{
+    (void)unused;
+    for (rheo_model model = RHEO_MODEL_THICKENING; model <= RHEO_MODEL_MELTING; model++) {
+        const rheo__parameter_rows *rows = rheo__model_parameters(model);
+        for (size_t i = 0; i < rows->count; i++) {
+            const rheo__parameter_row *row = &rows->row[i];
+            const rheo_parameter *p = &row->parameter;
+            if (p->type != RHEO_PARAMETER_REAL && p->type != RHEO_PARAMETER_VECTOR)
+                continue;
+            for (uint32_t axis = 0; axis < (p->type == RHEO_PARAMETER_VECTOR ? 3 : 1); axis++) {
+                rheo_world_def def = rheo_default_model_def(model);
+                double value[3];
+                rheo__row_set_default(&def, row);
+                assert_true(rheo__row_has_default(&def, row));
+                rheo__parameter_values(&def, p, value);
+                const double was = value[axis];
+                value[axis] = was + 1;
+                if (rheo__parameter_assign(&def, p, value, NULL) != RHEO_OK) { /* a share of one */
+                    value[axis] = was > 0 ? was / 2 : 0.5;
+                    OK(rheo__parameter_assign(&def, p, value, &error));
+                }
+                assert_false(rheo__row_has_default(&def, row));
+            }
+        }
     }
 }
 
@@ -419,6 +449,7 @@ int main(void)
         cmocka_unit_test(parameters_are_set_by_name),
         cmocka_unit_test(parameters_that_differ_are_found_in_order),
         cmocka_unit_test(refusals_name_limits_that_hold),
+        cmocka_unit_test(every_component_of_a_default_counts),
         cmocka_unit_test(the_nearest_word_is_found),
         cmocka_unit_test(old_names_are_pointed_out),
         cmocka_unit_test(headers_agree_with_the_rows),

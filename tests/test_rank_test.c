@@ -38,6 +38,9 @@ static void small_samples_have_the_probabilities_that_one_can_count(void **state
     NEAR(probability((double[]){1, 2, 3, 4, 5, 6, 7, 8}, 4, 8), 2.0 / 70, 1e-15);
     NEAR(probability((double[]){1, 2, 3, 5, 4, 6, 7, 8}, 4, 8), 4.0 / 70, 1e-15);
     NEAR(probability((double[]){1, 1, 1, 1, 1, 1}, 3, 6), 1, 1e-15);
+    rheo__ranks_of ranks; /* twice the ranks from 1 on */
+    rheo__rank(&ranks, (double[]){5, 3, 4, 3}, 2, 4);
+    assert_true(ranks.rank[0] == 8 && ranks.rank[1] == 3 && ranks.rank[2] == 6 && ranks.rank[3] == 3);
 }
 
 /* Largest U that rejects at 5 % and at 1 %, two-sided, in the tables of Mann and Whitney's test. */
@@ -83,6 +86,44 @@ static void ties_have_the_probabilities_of_all_choices(void **state)
     NEAR(probability(VALUES, FIRST, ALL), 2.0 * fewer / choices < 1 ? 2.0 * fewer / choices : 1, 1e-14);
 }
 
+/* The distribution is kept for samples of the same sizes without ties, and made again for others. */
+static void a_kept_distribution_serves_only_its_own_samples(void **state)
+{
+    (void)state;
+    static const struct {
+        double values[8];
+        uint32_t first, all;
+        bool kept;
+    } samples[] = {
+        {{1, 2, 3, 4, 5, 6}, 3, 6, false},       {{6, 1, 2, 5, 3, 4}, 3, 6, true},
+        {{1, 2, 3, 4, 5, 6}, 2, 6, false},       {{1, 2, 3, 4, 5, 6, 7, 8}, 2, 8, false},
+        {{1, 2, 2, 4, 5, 6, 7, 8}, 2, 8, false}, {{1, 2, 2, 4, 4, 6, 7, 8}, 2, 8, false},
+        {{1, 2, 3, 4, 5, 6, 7, 8}, 2, 8, false}, {{8, 2, 3, 4, 5, 6, 7, 1}, 2, 8, true},
+    };
+    rheo__rank_sums sums = {0};
+    for (size_t i = 0; i < sizeof samples / sizeof *samples; i++) {
+        rheo__ranks_of ranks;
+        uint32_t sum = 0;
+        double before[256] = {0};
+        const double *was = sums.least;
+        if (was)
+            memcpy(before, was, sums.sums * sizeof *before);
+        rheo__rank(&ranks, samples[i].values, samples[i].first, samples[i].all);
+        if (samples[i].kept)
+            sums.least[0] = 7; /* is read again, if it is made again */
+        assert_true(rheo__rank_sums_take(&sums, &ranks));
+        assert_int_equal(sums.least[0] == 7, samples[i].kept);
+        if (samples[i].kept)
+            sums.least[0] = before[0];
+        for (uint32_t k = 0; k < samples[i].first; k++)
+            sum += ranks.rank[k];
+        NEAR(rheo__rank_probability(&sums, sum), probability(samples[i].values, samples[i].first, samples[i].all), 0);
+        NEAR(sums.least[sums.sums - 1], 1, 0);
+    }
+    rheo__rank_sums_release(&sums);
+    assert_true(!sums.least && !sums.sums);
+}
+
 static void the_largest_samples_are_exact_too(void **state)
 {
     (void)state;
@@ -113,6 +154,9 @@ static void benjamini_and_yekutieli_by_hand(void **state)
     assert_int_equal(rheo__reject((double[]){.005, .013, .0175, .5}, order, 4, .05), 3);
     assert_int_equal(rheo__reject((double[]){.0061, .0121, .0181, .0241}, order, 4, .05), 0);
     assert_int_equal(rheo__reject((double[]){.0239, .0239, .0239, .0239}, order, 4, .05), 4);
+    for (uint32_t i = 0; i < 4; i++) /* equal ones keep their order */
+        assert_int_equal(order[i], i);
+    assert_int_equal(rheo__reject((double[]){.5}, order, 1, .5), 1); /* at the limit */
     assert_int_equal(rheo__reject(NULL, order, 0, .05), 0);
 }
 
@@ -122,6 +166,7 @@ int main(void)
         cmocka_unit_test(small_samples_have_the_probabilities_that_one_can_count),
         cmocka_unit_test(the_limits_are_those_of_the_tables),
         cmocka_unit_test(ties_have_the_probabilities_of_all_choices),
+        cmocka_unit_test(a_kept_distribution_serves_only_its_own_samples),
         cmocka_unit_test(the_largest_samples_are_exact_too),
         cmocka_unit_test(benjamini_and_yekutieli_by_hand),
     };

@@ -1,6 +1,6 @@
 #!/bin/sh
 # thickening_experiments.sh SOURCE RHEOLOG: the small versions of the cheap experiments with the thickening model print what
-# thickening_experiments.txt has. After an intended change:
+# thickening_experiments.txt has, with the mean of what they measured in every step. After an intended change:
 #
 #   sh tests/thickening_experiments.sh . build/rheolog --write
 set -eu
@@ -11,7 +11,8 @@ tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
 names='drop drop-pair incline positions-drop hole lumps gentle settling impact'
 # shellcheck disable=SC2086 # words
-"$rheolog" experiments $names --small --quiet >"$tmp/now"
+"$rheolog" experiments $names --small --quiet -o "$tmp" >"$tmp/now"
+awk -f "$1/tests/column_means.awk" "$tmp"/*.csv >>"$tmp/now"
 if [ "${3-}" = --write ]; then
     cp "$tmp/now" "$kept"
     exit

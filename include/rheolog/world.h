@@ -328,7 +328,7 @@ typedef enum rheo_emitter_flow { RHEO_EMITTER_OFF = 0, RHEO_EMITTER_ON = 1 } rhe
  * fluid.spacing, each as soon as the one before has moved on by fluid.spacing; a layer that left in the middle of a step
  * begins where it has come to since. So the volume that flows out is speed x area x time, where a particle stands for
  * spacing^3. Layers are emitted at the beginning of a step, after commands. A particle that would be nearer than half a
- * spacing to another, or in the ball, is left out. Start from rheo_default_emitter().
+ * spacing to another, to a ball or to an obstacle is left out. Start from rheo_default_emitter().
  */
 typedef struct rheo_emitter {
     /** Name in scene files: a letter, then letters, digits, - and _. Not "main"; no two emitters have the same. */

@@ -245,7 +245,7 @@ static int run(int argc, char **argv)
         return status;
     if ((status = cli_use_simd(a.simd)) != CLI_DONE)
         return status;
-    a.progress = (cli_progress){.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1};
+    a.progress = cli_progress_begin(0);
     return a.baseline ? cli_bench_compare(&a) : m->run(&a);
 }
 

@@ -199,6 +199,8 @@ typedef struct cli_progress {
     double last; /* time of the last message */
 } cli_progress;
 
+/* On standard error, unless --quiet; `last` as if a message had come then, 0: the first one is due at once. */
+cli_progress cli_progress_begin(double last);
 bool cli_progress_due(const cli_progress *progress, double time);
 void cli_progress_say(cli_progress *progress, double time, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

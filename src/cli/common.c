@@ -345,6 +345,11 @@ double cli_processor_time(void)
     return cli_now();
 }
 
+cli_progress cli_progress_begin(double last)
+{
+    return (cli_progress){.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = last};
+}
+
 bool cli_progress_due(const cli_progress *p, double time)
 {
     return !p->quiet && time - p->last >= (p->terminal ? .2 : 5);

@@ -212,25 +212,25 @@ static int compare_images(cli_bench_arguments *a, cli_error_points *points)
 
 static const double TURNS = 33; /* time after which its spin is measured */
 
-/* Angular velocity of a rigid body with the particles' places and angular momentum, about their centre of mass. */
-static double spin_of(const rheo_world *world)
+/* A motion that all share adds nothing to the momentum about the centre of mass. */
+double cli_spin(const rheo_world *world)
 {
     const rheo_real *x = rheo_world_positions(world), *v = rheo_world_velocities(world);
     const uint32_t n = rheo_world_particle_count(world);
-    double c[3] = {0}, u[3] = {0}, moment[3] = {0}, inertia = 0;
-    for (size_t i = 0; i < 3 * (size_t)n; i++) {
+    double c[3] = {0}, moment[3] = {0}, inertia = 0;
+    for (size_t i = 0; i < 3 * (size_t)n; i++)
         c[i % 3] += (double)x[i] / n;
-        u[i % 3] += (double)v[i] / n;
-    }
     for (size_t i = 0; i < n; i++) {
-        double d[3], w[3];
+        const rheo_real *own = v + 3 * i;
+        double d[3];
         for (size_t axis = 0; axis < 3; axis++) {
             d[axis] = (double)x[3 * i + axis] - c[axis];
-            w[axis] = (double)v[3 * i + axis] - u[axis];
             inertia += d[axis] * d[axis] * 2 / 3; /* nearly a ball: the same about every axis */
         }
-        for (size_t axis = 0; axis < 3; axis++)
-            moment[axis] += d[(axis + 1) % 3] * w[(axis + 2) % 3] - d[(axis + 2) % 3] * w[(axis + 1) % 3];
+        for (size_t axis = 0; axis < 3; axis++) {
+            const size_t next = (axis + 1) % 3, last = (axis + 2) % 3;
+            moment[axis] += d[next] * (double)own[last] - d[last] * (double)own[next];
+        }
     }
     return sqrt(moment[0] * moment[0] + moment[1] * moment[1] + moment[2] * moment[2]) / inertia;
 }
@@ -239,7 +239,7 @@ static bool measure_spin(cli_trial *t, rheo_world *world)
 {
     if (rheo_world_time(world) + 0.5 * t->def.step < TURNS)
         return true;
-    t->quantity[0] = spin_of(world);
+    t->quantity[0] = cli_spin(world);
     return false;
 }
 

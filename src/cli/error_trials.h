@@ -97,6 +97,8 @@ int cli_try_cases(const cli_named_case *cases, size_t count, cli_bench_arguments
  * ends the run: what was not reached is NaN.
  */
 rheo_result cli_trial_run(cli_trial *t, uint64_t most, rheo_error *error);
+/* Angular velocity of a rigid body with the particles' places and angular momentum, about their centre of mass. */
+double cli_spin(const rheo_world *world);
 
 /* ---- Cases that several studies have ---- */
 

@@ -1,9 +1,7 @@
 /* rheolog experiments: repeats the experiments of the papers, and says whether they show what they must. */
-#define _POSIX_C_SOURCE 200809L /* isatty() */
 #include "cli/experiment.h"
 
 #include <string.h>
-#include <unistd.h>
 
 #include "cli/steps.h"
 
@@ -132,7 +130,7 @@ static int run(int argc, char **argv)
     }
     const cli_experiment_options how = {small, (uint32_t)seeds.value, &set};
     cli_watch_signals();
-    cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
+    cli_progress progress = cli_progress_begin(cli_now());
     int worst = CLI_DONE;
     for (size_t i = 0, shown = 0; i < EXPERIMENTS; i++) {
         if (!wanted(EXPERIMENT[i], argc, argv))

@@ -3,13 +3,11 @@
  * curves that rheologists plot are measured. rheometer_NAME.c are the instruments, rheometer_analysis.c what is made of signals,
  * rheometry.c the closed forms.
  */
-#define _POSIX_C_SOURCE 200809L /* isatty() */
 #include "cli/rheometer.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "cli/run.h"
 #include "cli/steps.h"
@@ -277,7 +275,7 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
         return status;
     }
     cli_watch_signals();
-    cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
+    cli_progress progress = cli_progress_begin(cli_now());
     r->progress = &progress;
     r->seeds = (uint32_t)a->seeds.value;
     status = measure(r, instrument, argc - 1, argv + 1);

@@ -473,7 +473,7 @@ static int run_command(int argc, char **argv)
             cli_run_refused_json(a.scene, a.output, status);
         return status;
     }
-    cli_run_state run = {.set = &a.set, .progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1}};
+    cli_run_state run = {.set = &a.set, .progress = cli_progress_begin(0)};
     rheo_scene scene = rheo_default_scene();
     cli_outlive_readers();
     status = carry_out_arguments(&run, &a, &scene);

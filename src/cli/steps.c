@@ -235,7 +235,7 @@ int cli_find_range(const cli_steps *steps, rheo_player *player, cli_write_step *
 
 int cli_write_steps(const char *path, const cli_steps *steps, rheo_player *player, cli_write_step *write, void *data)
 {
-    cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
+    cli_progress progress = cli_progress_begin(cli_now());
     int status = CLI_DONE;
     for (uint64_t i = 0; i < steps->count && status == CLI_DONE; i++) {
         if (cli_interrupted()) {

@@ -140,8 +140,7 @@ static bool report(const char *task, uint64_t done, uint64_t total, void *user)
 void cli_watch(void)
 {
     watch.begun = cli_now();
-    watch.progress =
-        (cli_progress){.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = watch.begun};
+    watch.progress = cli_progress_begin(watch.begun);
     rheo_use_progress((rheo_progress){report, NULL});
 }
 

@@ -61,16 +61,22 @@ static uint64_t most_due(const rheo_world *w, double from, double to)
     return most;
 }
 
-/* Whether a place is free: no particle, and no ball, is near. */
+/* Whether a place is free: no particle, ball or obstacle is near. */
 static bool is_free(const rheo_world *w, const rheo_real place[3])
 {
     const rheo__state *s = &w->state;
-    const rheo_real apart = (rheo_real)(w->def.fluid.spacing / 2), touch = (rheo_real)w->def.ball.radius + apart;
+    const rheo_real apart = (rheo_real)(w->def.fluid.spacing / 2);
+    const double point[3] = {(double)place[0], (double)place[1], (double)place[2]};
     for (size_t i = 0; i < s->particles; i++)
         if (rheo__period_distance2(&w->period, place, s->position + 3 * i) < apart * apart)
             return false;
-    for (size_t b = 0; b < s->bodies; b++)
-        if (rheo__period_distance2(&w->period, place, s->ball_position + 3 * b) < touch * touch)
+    for (uint32_t b = 0; b < s->bodies; b++) {
+        const rheo_real touch = (rheo_real)rheo__ball_of(&w->def, b)->radius + apart;
+        if (rheo__period_distance2(&w->period, place, s->ball_position + 3 * (size_t)b) < touch * touch)
+            return false;
+    }
+    for (uint32_t k = 0; k < s->obstacles; k++)
+        if (rheo_world_obstacle_distance(w, k, point, NULL) < (double)apart)
             return false;
     return true;
 }
