@@ -334,6 +334,7 @@ static void the_session_of_the_page_is_true(void **state)
             strncat(commands, strstr(line, ") ") + 2, strcspn(strstr(line, ") ") + 2, "\n") + 1);
     assert_in("step", commands);
     remove("good.rlog");
+    remove("fork.rlog");
     assert_code(
         0, run("run bowling-ball-small --set step=0.07 --set substeps=2 --steps 60 -o bad.rlog --force --quiet"));
     prints("bad.rlog", commands, session);

@@ -235,7 +235,7 @@ static void long_lines_are_wrapped_on_a_terminal(void **state)
 static void progress_is_written_over_on_a_terminal_only(void **state)
 {
     (void)state;
-    const char *command = "run bowling-ball-small --set settle.time=0 --steps 60 -o progress.rlog --force";
+    const char *command = "run bowling-ball-small --set settle.time=0 --steps 500 -o progress.rlog --force";
     if (!on_terminal(command, 80))
         skip();
     assert_non_null(strstr(out, "\r\033[Kstep "));

@@ -199,6 +199,7 @@ typedef struct rheo_scene {
          */
         double clearance;
     } ball;
+    /** Further balls. */
     struct {
         /** The same of further balls: of ball 2, 3, ... */
         double clearance[RHEO_MAX_BALLS - 1];
@@ -391,7 +392,7 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
     X(COMPRESSED, "compressed")         \
     X(FAR, "far")                       \
     X(BALL_TOO_SMALL, "ball-too-small") \
-    X(IN_OBSTACLE, "in-obstacle")   \
+    X(IN_OBSTACLE, "in-obstacle")       \
     X(BALLS_OVERLAP, "balls-overlap")   \
     X(EMITTER, "emitter")
 

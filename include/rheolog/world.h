@@ -257,14 +257,23 @@ typedef struct rheo_material {
 
 /** Shape of an obstacle. Words sphere, box, cylinder, mesh. */
 typedef enum rheo_obstacle_shape {
+    /** A sphere: radius. */
     RHEO_OBSTACLE_SPHERE = 0,
+    /** A box: size. */
     RHEO_OBSTACLE_BOX = 1,
+    /** A cylinder: axis, radius, length. */
     RHEO_OBSTACLE_CYLINDER = 2,
+    /** A closed mesh: file or mesh, height. */
     RHEO_OBSTACLE_MESH = 3,
 } rheo_obstacle_shape;
 
 /** Where the fluid is: outside of an obstacle, or inside, as in a drum. Words false, true. */
-typedef enum rheo_obstacle_side { RHEO_OBSTACLE_OUTSIDE = 0, RHEO_OBSTACLE_INSIDE = 1 } rheo_obstacle_side;
+typedef enum rheo_obstacle_side {
+    /** The fluid is outside. */
+    RHEO_OBSTACLE_OUTSIDE = 0,
+    /** The fluid is inside. */
+    RHEO_OBSTACLE_INSIDE = 1
+} rheo_obstacle_side;
 
 /**
  * An obstacle: a rigid solid whose motion is given, and which stops fluid and ball as a wall does (docs/model.md,
@@ -309,7 +318,10 @@ typedef struct rheo_obstacle {
      * seen from outside. A world copies both arrays.
      */
     struct {
-        uint32_t vertex_count, triangle_count;
+        /** Number of vertices. */
+        uint32_t vertex_count;
+        /** Number of triangles. */
+        uint32_t triangle_count;
         /** Vertices. Unit L. Within 1e30. */
         const double (*vertex)[3];
         /** Triangles: numbers of vertices. No triangle has an area of 0. */
@@ -318,10 +330,20 @@ typedef struct rheo_obstacle {
 } rheo_obstacle;
 
 /** Opening of an emitter: a disc, or a rectangle. */
-typedef enum rheo_emitter_shape { RHEO_EMITTER_DISC = 0, RHEO_EMITTER_RECTANGLE = 1 } rheo_emitter_shape;
+typedef enum rheo_emitter_shape {
+    /** A disc: radius. */
+    RHEO_EMITTER_DISC = 0,
+    /** A rectangle: width, height. */
+    RHEO_EMITTER_RECTANGLE = 1
+} rheo_emitter_shape;
 
 /** Whether fluid flows from an emitter. */
-typedef enum rheo_emitter_flow { RHEO_EMITTER_OFF = 0, RHEO_EMITTER_ON = 1 } rheo_emitter_flow;
+typedef enum rheo_emitter_flow {
+    /** Nothing flows. */
+    RHEO_EMITTER_OFF = 0,
+    /** Fluid flows between the times start and end. */
+    RHEO_EMITTER_ON = 1
+} rheo_emitter_flow;
 
 /**
  * An emitter: a nozzle that adds particles while a world runs. It emits layers, plane square lattices of distance
@@ -344,15 +366,19 @@ typedef struct rheo_emitter {
     /** Disc: radius. Unit L. Range >= 0, at most 1000 spacings; default 0: a thread of single particles. */
     double radius;
     /**
-     * Rectangle: width, along the horizontal axis in the opening (along x if the flow is vertical), and height, along the
-     * other one. round(width/spacing) x round(height/spacing) particles, at least one each. Unit L. Range >= 0, at most
+     * Rectangle: width, along the horizontal axis in the opening (along x if the flow is vertical).
+     * A layer has round(width/spacing) x round(height/spacing) particles, at least one each. Unit L. Range >= 0, at most
      * 1000 spacings; default 0.
      */
-    double width, height;
+    double width;
+    /** The same along the other axis. */
+    double height;
     /** Speed of the particles. Unit L/T. Range > 0, at most a support in a step; default 1. */
     double speed;
-    /** Times at which it begins and ends to flow. Unit T. Range >= 0, default 0 and 1e30. */
-    double start, end;
+    /** Time at which it begins to flow. Unit T. Range >= 0, default 0. */
+    double start;
+    /** Time at which it ends to flow. Unit T. Range >= 0, default 1e30. */
+    double end;
     /** Most particles that it emits. Range 1 to 2^30, default 10000. */
     uint64_t limit;
     /** Thickening only: number of their material (rheo_world_def_material()). Fixed. Default 0, the main one. */
@@ -615,6 +641,7 @@ typedef struct rheo_world_def {
     struct {
         /** Number of emitters. Range 0 to RHEO_MAX_EMITTERS, default 0. */
         uint32_t count;
+        /** Emitter 0, 1, ... */
         rheo_emitter list[RHEO_MAX_EMITTERS];
     } emitters;
 
@@ -869,7 +896,7 @@ RHEO_API const rheo_parameter *rheo_obstacle_parameter_at(size_t index);
 RHEO_API bool rheo_obstacle_has_parameter(rheo_obstacle_shape shape, const rheo_parameter *parameter);
 /** Parameter of any emitter by index, with a path such as "emitters.NAME.speed"; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_emitter_parameter_at(size_t index);
-/** Writes the default of such a parameter as text; `value` holds >= 96 bytes. */
+/** Writes the default of such a parameter as text; `value` holds >= 96 bytes. RHEO_ERROR_ARGUMENT if it is no such parameter. */
 RHEO_API rheo_result rheo_emitter_default(const rheo_parameter *parameter, char *value, size_t size);
 /** The path that is nearest to a misspelt one; never NULL. */
 RHEO_API const char *rheo_parameter_nearest(const char *path);
@@ -1083,8 +1110,10 @@ RHEO_API const rheo_real *rheo_world_velocities(const rheo_world *world);
 
 /** What an emitter has done. */
 typedef struct rheo_emitter_state {
-    /** Particles that it has emitted, and those that it left out because there was no room. */
-    uint64_t emitted, blocked;
+    /** Particles that it has emitted. */
+    uint64_t emitted;
+    /** Particles that it left out because there was no room. */
+    uint64_t blocked;
     /** Particles in a layer. */
     uint64_t sites;
     /** Way of the newest layer until the next one is due. Unit L. */
@@ -1380,9 +1409,11 @@ RHEO_API rheo_result rheo_world_vibrator(const rheo_world *world, uint32_t index
 
 /* ---- Obstacles ---- */
 
+/** Where an obstacle is, and how it moves. */
 typedef struct rheo_obstacle_state {
-    /** Shape, and where the fluid is. */
+    /** Shape. */
     rheo_obstacle_shape shape;
+    /** Whether the fluid is inside. */
     bool inside;
     /** Centre. Unit L. */
     double position[3];

@@ -418,6 +418,7 @@ static void put_further_balls(rheo__json *json, rheo_model model)
         char text[64];
         snprintf(text, sizeof text, "ball%u", number);
         rheo__json_begin_object(json, text);
+        put_description(json, CLI_BALLS_MEANING, "");
         snprintf(text, sizeof text, "#/oneOf/%u/properties/ball", (unsigned)model);
         rheo__json_text(json, "$ref", text);
         rheo__json_end_object(json);

@@ -197,8 +197,7 @@ static void set_colours(rheo__canvas *canvas)
 {
     static const double OTHERS[RHEO__PAINTS - RHEO__SHADES][3] = {{.90, .85, .72}, {.10, .20, .42}, {.93, .90, .82},
                                                                   {.86, .87, .89}, {.68, .70, .73}, {.55, .22, .12},
-                                                                  {.58, .62, .68},
-                                                                  {0, 0, 0}};
+                                                                  {.58, .62, .68}, {0, 0, 0}};
     for (int i = 0; i < RHEO__PAINTS; i++) {
         double colour[3];
         if (i < RHEO__SHADES)

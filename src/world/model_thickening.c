@@ -444,9 +444,8 @@ const rheo__model_type rheo__model_thickening = {
     .friction_distance = friction_distance,
     .refine = rheo__thickening_refine,
     .materials = true,
-    .possible_features =
-        (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH | RHEO__FEATURE_PLATES | RHEO__FEATURE_OBSTACLES |
-        RHEO__FEATURE_BALLS,
+    .possible_features = (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH | RHEO__FEATURE_PLATES |
+                         RHEO__FEATURE_OBSTACLES | RHEO__FEATURE_BALLS,
     .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_BALLS | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS |
                       RHEO__FEATURE_PLATES | RHEO__FEATURE_OBSTACLES,
     .features = features,
