@@ -13,6 +13,14 @@ models = {one["properties"]["model"]["const"]: one for one in schema["oneOf"]}
 def find(model, path):
     where = models[model]
     for key in path.split("."):
+        if key == "0":  # an obstacle: an object with its shape, which has the other parameters
+            shapes = [next(iter(known)) for one in where["items"]["oneOf"]
+                      for known in [[word for word in one["properties"] if word not in ("$schema", "comment")]]]
+            if path.endswith(".shape"):
+                return {"enum": shapes, "default": shapes[0]}
+            of_shapes = [one["properties"][shape] for one, shape in zip(where["items"]["oneOf"], shapes)]
+            where = {"properties": {name: value for one in reversed(of_shapes) for name, value in one["properties"].items()}}
+            continue
         where = where["items"] if key == "NAME" else where["properties"].get(key)
         if where is None:
             return None
@@ -29,8 +37,12 @@ def check(parameter):
         if parameter["path"] == "emitters.NAME.material":  # a name in the file
             assert entry["type"] == "string"
             continue
-        assert entry["default"] == parameter["models"][model], parameter["path"]
+        default = parameter["models"][model]
         kind = parameter["type"]
+        if entry.get("type") == "boolean":  # words of the program
+            assert parameter["choices"] == "false true" and entry["default"] == (default == "true"), parameter["path"]
+            continue
+        assert entry["default"] == default, parameter["path"]
         if kind == "choice":
             assert entry["enum"] == parameter["choices"].split(), parameter["path"]
             continue

@@ -457,7 +457,7 @@ static void a_trace_has_the_stages_of_steps(void **state)
             assert_true(step.begin >= last.end && (steps % 10 == 0 || step.step == last.step + 1));
             steps++;
         }
-        if (stage.substep && (stage.step != substep.step || stage.substep != substep.substep)) {
+        if (stage.substep > 0 && (stage.step != substep.step || stage.substep != substep.substep)) {
             assert_true(next_span(&in_substeps, "substep", &substep));
             substeps++;
         }
@@ -465,7 +465,7 @@ static void a_trace_has_the_stages_of_steps(void **state)
         assert_true(stage.begin >= step.begin - rounding && stage.end <= step.end + rounding &&
                     stage.step == step.step);
         assert_true(stage.end >= stage.begin && stage.begin >= before.end - rounding);
-        if (stage.substep) {
+        if (stage.substep > 0) {
             assert_true(stage.begin >= substep.begin - rounding && stage.end <= substep.end + rounding);
             assert_true(strcmp(stage.name, "neighbours") != 0 && strcmp(stage.name, "history") != 0);
             of_substeps += strcmp(stage.name, "forces") == 0;
