@@ -35,24 +35,12 @@ typedef struct moving {
     double substep, distance, sticking;
 } moving;
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* ---- Motion ---- */
 
 /* q' = (cos h, w/|w| sin h) q, h half the angle; normalised again, since rounding adds up. */
 static void turn(double q[4], const double spin[3], double step)
 {
-    const double rate = __builtin_sqrt(dot(spin, spin)), turns = rate * step / (2 * TWO_PI);
+    const double rate = __builtin_sqrt(rheo__dot_double(spin, spin)), turns = rate * step / (2 * TWO_PI);
     if (!(rate > 0))
         return;
     const double c = rheo__cos_turns(turns), sine = rheo__sin_turns(turns) / rate;
@@ -94,7 +82,7 @@ static moving move(rheo__state *s, const rheo__solids *solids, uint32_t index)
 static void surface_velocity(const moving *m, const double x[3], double velocity[3])
 {
     const double arm[3] = {x[0] - m->centre[0], x[1] - m->centre[1], x[2] - m->centre[2]};
-    cross(m->spin, arm, velocity);
+    rheo__cross_double(m->spin, arm, velocity);
     for (int axis = 0; axis < 3; axis++)
         velocity[axis] += m->velocity[axis];
 }
@@ -136,7 +124,7 @@ static void stop_at(const rheo__state *s, const moving *m, uint32_t id, double o
     surface_velocity(m, at, relative);
     for (int axis = 0; axis < 3; axis++)
         relative[axis] = (double)v[axis] - relative[axis];
-    const double normal = dot(n, relative), most = overlap / m->substep,
+    const double normal = rheo__dot_double(n, relative), most = overlap / m->substep,
                  change = normal < 0 ? (most < -normal ? most : -normal) : 0, left = overlap - m->substep * change;
     double stick = friction < MOST_STICK ? friction : MOST_STICK;
     stick *= m->substep * m->sticking;
@@ -169,7 +157,7 @@ static void stop_particle(const rheo__state *s, const moving *m, uint32_t id, do
         if (!(overlap > 0))
             return;
         for (int before = 0; before < k; before++)
-            if (dot(normal[k], normal[before]) > SAME_FACE) {
+            if (rheo__dot_double(normal[k], normal[before]) > SAME_FACE) {
                 put_off(s, m, id, overlap, normal[k]);
                 return;
             }
@@ -213,18 +201,18 @@ static void stop_ball(const rheo__state *s, const moving *m, uint32_t body, doub
     const double arm[3] = {-radius * n[0], -radius * n[1], -radius * n[2]},
                  contact[3] = {at[0] + arm[0], at[1] + arm[1], at[2] + arm[2]};
     surface_velocity(m, contact, surface);
-    cross(w, arm, own);
+    rheo__cross_double(w, arm, own);
     double relative[3];
     for (int axis = 0; axis < 3; axis++)
         relative[axis] = (double)v[axis] + own[axis] - surface[axis];
-    const double normal = dot(n, relative), most = overlap / m->substep,
+    const double normal = rheo__dot_double(n, relative), most = overlap / m->substep,
                  change = normal < 0 ? (most < -normal ? most : -normal) : 0, left = overlap - m->substep * change;
     /* A ball that slides reacts at its contact like a mass of 2/7 of its own. */
     const double rubbing = friction * m->substep, share = change > 0 ? rubbing / (1 + rubbing) / 3.5 : 0;
     double slide[3];
     for (int axis = 0; axis < 3; axis++)
         slide[axis] = -share * (relative[axis] - normal * n[axis]);
-    cross(arm, slide, torque);
+    rheo__cross_double(arm, slide, torque);
     for (int axis = 0; axis < 3; axis++) {
         const double by = change * n[axis] + slide[axis];
         v[axis] += (rheo_real)by;
