@@ -12,7 +12,7 @@ real=$1 archive=$2 library=$3 static=$4 scene_files=$5
 shift 5
 ending=
 [ "$real" = float ] || ending=_double
-allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|(new|use|free)locale|clock_gettime|madvise'
+allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp|chr)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|(new|use|free)locale|clock_gettime|madvise'
 # Variants of these with _FORTIFY_SOURCE, and functions that end the program.
 allowed="$allowed|__(mem(cpy|move|set)|v?snprintf)_chk|__stack_chk_(fail|guard)(_local)?|__assert_fail|abort"
 # Compiler helpers: integer operations and conversions that have no instruction, calls, processor detection.
