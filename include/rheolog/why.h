@@ -16,7 +16,7 @@ extern "C" {
  * that have no partner add NaN instead of 0.
  */
 typedef enum rheo_source {
-    /** Nothing: the old value goes, because it is summed anew. It is the largest of a link only if it is alone. */
+    /** Nothing: the field is summed anew, so its old value is dropped. It is the largest contribution only if there is no other. */
     RHEO_SOURCE_NONE = 0,
     /** Gravity. */
     RHEO_SOURCE_GRAVITY = 1,

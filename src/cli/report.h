@@ -17,7 +17,7 @@ typedef struct cli_page_text {
 /* False: no memory. */
 bool cli_page_begin(cli_page_text *text);
 bool cli_page_end(cli_page_text *text);
-/* Writes text for HTML, also in attributes. What is not UTF-8 becomes U+FFFD, and a control character a blank. */
+/* Writes text for HTML, also in attributes. Bytes that are not UTF-8 become U+FFFD, and control characters become blanks. */
 void cli_page_put(FILE *file, const char *text);
 /* Writes a number with these digits, a point in every locale, and "NaN", "inf" or "-inf". */
 void cli_page_put_number(FILE *file, double value, int digits);

@@ -34,7 +34,7 @@ function resetView() {
     easeTo(() => view.camera.reset());
 }
 
-/* At the picked particle with a few spacings around it. What is in front of it is cut away. */
+/* Shows the picked particle and a few spacings around it, and cuts away all that is in front of it. */
 function lookCloser() {
     if (!isSeen())
         return;
@@ -239,7 +239,7 @@ function listenToControls() {
     window.addEventListener("hashchange", obeyAddress);
     new ResizeObserver(redraw).observe(element("canvas"));
     view.onrestored = update;
-    // A link to what was shown before has to bring the view back, too, where it is not beside the text.
+    // On a narrow screen the view is above the text, so a link scrolls back to it, also if it leads to the frame that is shown.
     document.querySelector(".document").addEventListener("click", event => {
         if (event.target.closest('a[href^="#step="]') && element("view").getBoundingClientRect().bottom < 100)
             element("view").scrollIntoView({ behavior: quiet.matches ? "auto" : "smooth" });
